@@ -158,7 +158,7 @@ class Tenability(Cases):
 
         first, hot, fed = look("--trajectories", self.path("walk.csv"), "--height", 1.5)
         self.assertRegex(first["sentence"], r"^ASET of all criteria, 2 people: 50 s \(between 50 and 60 s, interpolated 55.2 s\), by hot, "
-                                            r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\.$")
+                                            r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\. Not assessed: sight of signs \(how many see one at each time is listed\)\.$")
         self.assertEqual((first["time"], first["first"], first["position"], first["known"]), (50, "person 7", [5, 1, 1.5], True))
         self.assertIn("by 120 s by 50 % of the people", hot["sentence"])
         self.assertRegex(fed["sentence"], r"^fed-gas \(fds\) >= 0.3 is reached by none of 2 people until 120 s; the worst is 0.06.*, of person 4\. Not stored, counted as in clean air: hydrogen-cyanide")

@@ -96,6 +96,18 @@ class Fds(Visibility):
         for one, row in zip(once, rows[len(rows) // 2:], strict=True):
             self.assertLess(abs(one["optical_depth"] - row["optical_depth"]), 1e-6 * row["optical_depth"])
 
+    def test_signs_that_nobody_sees_are_told(self):
+        """Of one that faces its wall "no sign is lost" was all that was said; where something opens later, nothing is."""
+        case = self.two_meshes((0.0, 10.0, 20.0), [(0, 0, 8.0, False), (1, 0, 15.0, False)]).write(self.folder)
+        plan = ("--height", 1.1, "--step", 0.5, "-o", self.path("out"))
+        result = self.works("visibility", case, "--signs", self.signs(self.east(normal=[1, 0, 0])), *plan)
+        self.assertIn("sign 'east' is in sight from no point of the plan, smoke or not", result.message)
+        self.assertIn("From 100 % of the points no sign is in sight, smoke or not.", result.text)
+        self.fails(1, "visibility", case, "--signs", self.path("signs.json"), "--strict", *plan)
+        result = self.works("visibility", case, "--signs", self.signs(self.east()), *plan)
+        self.assertRegex(result.message, r"from \d+ % of the points a sign comes into sight after 0 s, where something opens")
+        self.assertNotIn("in sight from no point", result.message)
+
     def test_an_obstruction_that_goes_opens_the_view(self):
         case = self.two_meshes((0.0, 10.0, 20.0), [(0, 0, 8.0, False), (1, 0, 15.0, False)])
         rows = self.look(case.write(self.folder), self.signs(self.east()),
@@ -543,8 +555,11 @@ class Damage(Visibility):
         self.assertTrue((self.path("out") / "aset.png").exists())
         before = self.files()
         self.look(self.case, signs, "--eyes", self.points)
-        self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), ["sight.csv", "tenability.csv", "visibility.json"])
+        self.assertEqual(sorted(p.name for p in self.path("out").iterdir()), [".files", "sight.csv", "tenability.csv", "visibility.json"])
         self.assertEqual(self.files(), before)
+        self.path("out/notes.txt").write_text("mine")
+        self.look(self.case, signs, "--eyes", self.points)
+        self.assertEqual(self.path("out/notes.txt").read_text(), "mine")
 
     def test_a_volume_says_what_it_takes_away(self):
         """What has no extinction hid nothing, and every sign was seen."""

@@ -10,9 +10,12 @@
 
 #include <cerrno>
 #include <cstring>
+#include <fstream>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
@@ -112,6 +115,48 @@ Status checkReplaceable(const fs::path& target, std::string_view mark) {
               target.string(), mark);
 }
 
+/// Names of the results, a line each, so that what people put beside them is not taken for one.
+constexpr const char* kList = ".files";
+
+Status writeList(const fs::path& folder) {
+  std::ofstream list(folder / kList);
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (!entry.is_directory())
+      list << entry.path().lexically_relative(folder).string() << '\n';
+  }
+  list.close();
+  return list ? sync(folder / kList)
+              : fail(ErrorCode::kIo, "{}: cannot write", (folder / kList).string());
+}
+
+/// Removes a folder that was replaced, but for files that its list does not name: they go to the
+/// new one. Folders of versions without a list hold results alone.
+Status removeResults(const fs::path& old, const fs::path& target) {
+  std::error_code error;
+  if (std::ifstream list(old / kList); list) {
+    std::set<std::string> results;
+    for (std::string line; std::getline(list, line);) results.insert(line);
+    std::vector<fs::path> kept;
+    for (const auto& entry : fs::recursive_directory_iterator(old, error)) {
+      const fs::path name = entry.path().lexically_relative(old);
+      if (!entry.is_directory() && !results.contains(name.string()))
+        kept.push_back(name);
+    }
+    for (const fs::path& name : kept) {
+      fs::path to = target / name;
+      while (fs::exists(fs::symlink_status(to, error))) to += ".kept";
+      fs::create_directories(to.parent_path(), error);
+      fs::rename(old / name, to, error);
+      if (error)
+        return fail(ErrorCode::kIo, "{}: cannot move it to the new results: {}",
+                    (old / name).string(), error.message());
+    }
+  }
+  fs::remove_all(old, error);
+  return {};
+}
+
 }  // namespace
 
 Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_view mark) {
@@ -141,6 +186,7 @@ PendingFolder::PendingFolder(PendingFolder&& other) noexcept
     : temporary_(std::exchange(other.temporary_, {})), target_(std::move(other.target_)) {}
 
 Status PendingFolder::commit() {
+  VOLUTE_TRY(writeList(temporary_));
   VOLUTE_TRY(sync(temporary_));
   const fs::path replaced = fs::path(temporary_).replace_extension(kReplaced);
   std::error_code ignored;
@@ -150,7 +196,7 @@ Status PendingFolder::commit() {
     // The old one and the new one change places at once, where the file system can.
     if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) ==
         0) {
-      fs::remove_all(std::exchange(temporary_, {}), ignored);
+      VOLUTE_TRY(removeResults(std::exchange(temporary_, {}), target_));
       return syncParent(target_);
     }
     const bool canExchange = errno != EINVAL && errno != ENOSYS;
@@ -170,7 +216,7 @@ Status PendingFolder::commit() {
     }
     if (::rename(temporary_.c_str(), target_.c_str()) == 0) {
       temporary_.clear();
-      fs::remove_all(replaced, ignored);
+      VOLUTE_TRY(removeResults(replaced, target_));
       return syncParent(target_);
     }
     const int reason = errno;

@@ -14,7 +14,8 @@ namespace volute {
 class PendingFolder {
  public:
   /// A folder `target` that is there is replaced in commit() when it is empty or holds a file named
-  /// `mark`, which says that this program made it; else it is an error.
+  /// `mark`, which says that this program made it; else it is an error. Files in it that no run
+  /// wrote stay where they are (with ".kept" at the end where a new one has the name).
   [[nodiscard]] static Result<PendingFolder> create(const std::filesystem::path& target,
                                                     std::string_view mark);
 

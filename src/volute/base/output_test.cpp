@@ -120,6 +120,27 @@ TEST_F(Output, AFolderIsReplacedAsAWhole) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(Output, FilesThatNoRunWroteStayInAFolderThatIsReplaced) {
+  const fs::path target = folder_ / "out";
+  for (const std::string text : {"one", "two", "three"}) {
+    auto folder = PendingFolder::create(target, "mark");
+    ASSERT_TRUE(folder);
+    std::ofstream(folder->path() / "mark") << text;
+    fs::create_directory(folder->path() / "maps");
+    std::ofstream(folder->path() / "maps" / text) << text;
+    ASSERT_TRUE(folder->commit());
+    if (text == "one") {
+      std::ofstream(target / "notes.txt") << "mine";
+      std::ofstream(target / "maps" / "two") << "mine";  // what the next run writes
+    }
+  }
+  EXPECT_EQ(textOf(target / "mark"), "three");
+  EXPECT_EQ(textOf(target / "notes.txt"), "mine");
+  EXPECT_EQ(textOf(target / "maps" / "two.kept"), "mine");
+  EXPECT_FALSE(fs::exists(target / "maps" / "two"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+}
+
 TEST_F(Output, AFolderThatAKilledRunMovedAwayComesBack) {
   const fs::path target = folder_ / "out";
   const pid_t dead = deadProcess();

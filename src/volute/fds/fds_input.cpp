@@ -240,7 +240,10 @@ Status take(const std::string& text, const std::filesystem::path& path, FdsInput
       if (capitals(id) == "SOOT")
         VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
     } else if (group.group == "SURF") {
-      if (group.number("HRRPUA").value_or(0) > 0 || group.number("MLRPUA").value_or(0) > 0)
+      const bool burns =
+          group.number("HRRPUA").value_or(0) > 0 || group.number("MLRPUA").value_or(0) > 0;
+      // What has to be ignited may never be: its flames tell.
+      if (burns && !group.values.contains("IGNITION_TEMPERATURE"))
         input.burning.insert(id);
     } else if (group.group == "MESH") {
       if (const auto offset = group.number("EVAC_Z_OFFSET"))

@@ -74,6 +74,7 @@ TEST(FdsInput, IsReadAsFortranReadsIt) {
                       "&SPEC ID='SOOT', MASS_EXTINCTION_COEFFICIENT=4350. /\n"
                       "&SPEC ID='FOG', MASS_EXTINCTION_COEFFICIENT=1. /\n"
                       "&SURF ID='FIRE', HRRPUA=500. /\n&SURF ID='WALL' /\n"
+                      "&SURF ID='CARPET', HRRPUA=200., IGNITION_TEMPERATURE=300. /\n"
                       "&DEVC ID='rise', QUANTITY='TEMPERATURE', RELATIVE=.TRUE. /\n"
                       "&DEVC ID='dry', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', DRY=T /\n"
                       "&DEVC ID='wet', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', DRY=F /\n"

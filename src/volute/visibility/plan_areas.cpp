@@ -213,7 +213,7 @@ class AreaReport {
           ": ASET {}{}", unknownWords(first, "reached", "its floor"),
           first.any ? fmt::format("; it is at the latest {:.4g} s{}", first.up, by) : "");
     } else if (first.any) {
-      text += fmt::format(": ASET {}{}, at {}", timeWords(first), by,
+      text += fmt::format(": ASET {}{}, at {}", timeWords(first, survey_.round), by,
                           placeWords(found_.eyes[first.place]));
     } else {
       text += fmt::format(": no criterion is reached until {:g} s", survey_.end);

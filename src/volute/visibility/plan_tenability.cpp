@@ -415,8 +415,8 @@ Json PlanTenability::sentence(std::size_t c) const {
   } else {
     text = first.any
                ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {} of the floor.",
-                             words, timeWords(first), placeWords(eyes_[first.place]), end,
-                             percentWords(first.share))
+                             words, timeWords(first, survey_->round),
+                             placeWords(eyes_[first.place]), end, percentWords(first.share))
                : fmt::format("{} is not reached anywhere until {:g} s.", words, end);
     if (first.unknown > 0)
       text += fmt::format(" It is not known all along at {} of the floor{}.",
@@ -460,21 +460,23 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
                                     names[first.place], placeWords(eyes_[first.place]))
                       : ".";
   } else if (first.any) {
-    text = fmt::format("ASET of all criteria: {}, by {}, at {}.", timeWords(first),
+    text = fmt::format("ASET of all criteria: {}, by {}, at {}.", timeWords(first, survey_->round),
                        names[first.place], placeWords(eyes_[first.place]));
   } else {
     text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
   }
   if (use_.fireUnknown && first.any)
     text += " Where it burns is not known: this may be the fire's own place.";
-  if (use_.fireFound) {
+  constexpr double kMuch = 0.1;  // of the points: a burner alone is less
+  const double burning =
+      static_cast<double>(use_.count(PlanUse::Kind::kFire)) / static_cast<double>(eyes_.size());
+  if (use_.fireFound || burning > kMuch) {
     const FirstLoss own = firstLoss(all_, survey_->round, use_.are(PlanUse::Kind::kFire));
-    text += fmt::format(
-        " This leaves out {} of the points, taken for the fire's own place, which the case does "
-        "not state: {}.",
-        percentWords(static_cast<double>(use_.count(PlanUse::Kind::kFire)) /
-                     static_cast<double>(eyes_.size())),
-        use_.firesFrom);
+    text +=
+        fmt::format(" This leaves out {} of the points, {}: {}.", percentWords(burning),
+                    use_.fireFound ? "taken for the fire's own place, which the case does not state"
+                                   : "the fire's own place",
+                    use_.firesFrom);
     if (own.any)
       text += fmt::format(" With them it is {}{:.4g} s.", own.certain() ? "" : "at the latest ",
                           own.certain() ? own.by(survey_->round) : own.up);

@@ -122,6 +122,7 @@ class PlanWatch final : public Watch {
                survey.times.front())});
     }
     hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
+    opened_.assign(eyes_.size(), false);
     inView_.assign(survey.signs.size(), false);
     std::error_code error;
     std::filesystem::create_directory(survey.folder / "maps", error);
@@ -144,6 +145,7 @@ class PlanWatch final : public Watch {
     if (at.index == 0)
       noteHidden(at);
     noteInView(at);
+    noteOpened(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
     if (column_)
@@ -171,6 +173,7 @@ class PlanWatch final : public Watch {
       VOLUTE_TRY(goOn());
     leaveOutHigherFloors();
     leaveOutColumn();
+    tellOutOfSight();
     report["eyes"] = {{"kind", "plan"},           {"height", plan_.origin[2]},
                       {"step", plan_.step},       {"origin", {plan_.origin[0], plan_.origin[1]}},
                       {"nx", plan_.nx},           {"ny", plan_.ny},
@@ -381,6 +384,46 @@ class PlanWatch final : public Watch {
         inView_[s] =
             std::ranges::any_of(at.sightings.subspan(s * eyes_.size(), eyes_.size()), inSight);
     }
+  }
+
+  /// Points from which a sign comes into sight where something opens.
+  void noteOpened(const SurveyTime& at) {
+    for (std::size_t n = 0; n < at.sightings.size(); ++n) {
+      if (const std::size_t i = n % eyes_.size(); hidden_[0][i] && inSight(at.sightings[n]))
+        opened_[i] = true;
+    }
+  }
+
+  std::string ofThePoints(std::ptrdiff_t count) const {
+    return percentWords(static_cast<double>(count) / static_cast<double>(eyes_.size())) +
+           " of the points";
+  }
+
+  /// " From 40 % of the points no sign is in sight, smoke or not."
+  std::string hiddenWords() const {
+    const auto count = std::ranges::count(hidden_[0], true);
+    return count > 0
+               ? fmt::format(" From {} no sign is in sight, smoke or not.", ofThePoints(count))
+               : std::string();
+  }
+
+  /// What no verdict of signs is of.
+  void tellOutOfSight() const {
+    for (std::size_t s = 0; s < inView_.size(); ++s) {
+      if (shown_[s] && !inView_[s])
+        progress_->remark({RemarkCode::kDoubtful,
+                           fmt::format("sign '{}' is in sight from no point of the plan, smoke or "
+                                       "not: is it covered, or does it face a wall?",
+                                       survey_->signs[s].sign.name)});
+    }
+    const auto opened = std::ranges::count(opened_, true);
+    if (opened > 0)
+      progress_->remark(
+          {RemarkCode::kDoubtful,
+           fmt::format(
+               "from {} a sign comes into sight after {:g} s, where something opens: when it "
+               "is lost again from there no verdict says",
+               ofThePoints(opened), survey_->times.front())});
   }
 
   /// Whether a map of a set could show anything.
@@ -651,10 +694,11 @@ class PlanWatch final : public Watch {
         : soonestLoss.any
             ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
                           "{} of the points that see it without smoke.{}",
-                          name, timeWords(soonestLoss), placeWords(eyes_[soonestLoss.place]), end,
+                          name, timeWords(soonestLoss, survey_->round),
+                          placeWords(eyes_[soonestLoss.place]), end,
                           percentWords(soonestLoss.share),
                           latestWords(soonestLoss, latestOf(soonest), "lost"))
-            : fmt::format("No sign is lost from anywhere until {:g} s.", end),
+            : fmt::format("No sign is lost from anywhere until {:g} s.{}", end, hiddenWords()),
         soonestLoss, survey_->round, eyes_));
     verdict.back()["sign"] = soonestLoss.any || !soonestLoss.certain() ? Json(name) : Json();
     if (survey_->sets.size() > 1) {
@@ -664,7 +708,7 @@ class PlanWatch final : public Watch {
           !all.certain() ? uncertain("Sight of any sign", all)
           : all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
                                   "{} of the points that see a sign without smoke.{}",
-                                  placeWords(eyes_[all.place]), timeWords(all), end,
+                                  placeWords(eyes_[all.place]), timeWords(all, survey_->round), end,
                                   percentWords(all.share), latestWords(all, latestOf(0), "lost"))
                     : fmt::format(
                           "Every point that sees a sign without smoke sees one until {:g} s.", end),
@@ -747,6 +791,7 @@ class PlanWatch final : public Watch {
   std::optional<SmokeColumn> column_;  // where it is not known where it burns
   PlanAreas areas_;
   std::vector<std::vector<bool>> hidden_;  // of each set
+  std::vector<bool> opened_;               // hidden at first, in sight later
   std::vector<bool> inView_;               // of each sign
   std::optional<LevelWatch> local_;
   std::optional<PlanTenability> tenability_;

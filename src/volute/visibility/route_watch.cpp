@@ -437,6 +437,7 @@ class RouteWatch final : public Watch {
       Json json = {{"criterion", "route " + routes_[r].name}, {"time", nullptr}};
       if (meter_) {
         std::string reached, unknown;
+        double first = kNotYet;
         for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
           const LossTimes& times = meter_->times(c);
           const double time = times.by(survey_->round)[r];
@@ -451,17 +452,21 @@ class RouteWatch final : public Watch {
           }
           if (std::isinf(time))
             continue;
+          first = std::min(first, time);
           reached += fmt::format("{}{} at {:.4g} s", reached.empty() ? "" : ", ",
                                  meter_->criteria()[c].name, time);
         }
         if (!unknown.empty())
           text += "; not known on the whole way: " + unknown;
         if (!reached.empty())
-          text += "; reached on the way: " + reached;
+          text += fmt::format("; reached {}on the way: {}",
+                              walking_.start.waits() ? "while waiting or " : "", reached);
         else
           text += unknown.empty() ? "; no criterion of tenability is reached on the way"
                                   : "; none of the others is reached on the way";
         json["known"] = unknown.empty();
+        if (first < kNotYet)
+          json["time"] = first;
       }
       json["sentence"] = text + ".";
       verdict.push_back(std::move(json));

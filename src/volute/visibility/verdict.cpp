@@ -112,11 +112,11 @@ std::string unknownWords(const FirstLoss& loss, std::string_view reached, std::s
                      where);
 }
 
-std::string timeWords(const FirstLoss& loss) {
+std::string timeWords(const FirstLoss& loss, RoundTime round) {
   if (loss.down == loss.up)
     return fmt::format("{:.4g} s", loss.none);
-  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {:.3g} s)", loss.down,
-                     loss.down, loss.up, loss.none);
+  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {:.3g} s)",
+                     loss.by(round), loss.down, loss.up, loss.none);
 }
 
 std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::string_view reached) {

@@ -61,7 +61,7 @@ LossTimes firstOf(std::span<const CountedLoss> all, RoundTime round,
                   std::vector<int>* which = nullptr);
 
 /// "12.6 s (between 12 and 24 s) at x, y, z".
-std::string timeWords(const FirstLoss& loss);
+std::string timeWords(const FirstLoss& loss, RoundTime round);
 
 /// What is added to a verdict of the largest smoke that rounding, caps and means of the files
 /// allow, where that of the least comes later than its times; else empty. `reached` as in

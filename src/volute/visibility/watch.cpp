@@ -88,6 +88,8 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     latest.push_back(latestSight);
     names.emplace_back("sight of signs");
     count = sight.times->up.size();
+  } else if (!survey.signs.empty()) {
+    leaveOut("sight of signs", " (how many see one at each time is listed)");
   }
   for (const ExposureMeter::Missing& one : meter.missing()) leaveOut(one.criterion.name, "");
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
@@ -137,8 +139,9 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     if (first.any)
       text += fmt::format("; it is at the latest {:.4g} s, by {}, of {}", first.up, by, who(first));
   } else if (first.any) {
-    text += fmt::format("{}, by {}, of {}; {} of them reach one by {:g} s", timeWords(first), by,
-                        who(first), percentWords(first.share), end);
+    text +=
+        fmt::format("{}, by {}, of {}; {} of them reach one by {:g} s",
+                    timeWords(first, survey.round), by, who(first), percentWords(first.share), end);
   } else {
     text += fmt::format("none is reached until {:g} s", end);
   }
@@ -163,8 +166,9 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
       if (one.any)
         text += fmt::format("; reached at the latest at {:.4g} s, by {}", one.up, who(one));
     } else if (one.any) {
-      text += fmt::format("first reached at {}, by {}; by {:g} s by {} of the {}", timeWords(one),
-                          who(one), end, percentWords(one.share), exposed.many);
+      text += fmt::format("first reached at {}, by {}; by {:g} s by {} of the {}",
+                          timeWords(one, survey.round), who(one), end, percentWords(one.share),
+                          exposed.many);
     } else {
       text += fmt::format("reached by none of {} until {:g} s", all, end);
       const auto worst = meter.worst(c);

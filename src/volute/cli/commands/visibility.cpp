@@ -319,7 +319,8 @@ std::vector<Option> visibilityOptionTable() {
        .letter = 'o',
        .kind = kFile,
        .value = "FOLDER",
-       .help = "a new folder for the results; one of an earlier run is replaced",
+       .help = "a new folder for the results; those of an earlier run in it are replaced, other "
+               "files stay",
        .required = true},
       {.name = "height",
        .kind = kText,

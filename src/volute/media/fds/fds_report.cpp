@@ -133,7 +133,8 @@ void addContents(Report& report, const SmvIndex& index) {
 }
 
 /// Each file's frames; for people those of each kind together, and each file that is not whole.
-void addFiles(Report& report, const SmvIndex& index) {
+/// Returns how many are not whole.
+std::size_t addFiles(Report& report, const SmvIndex& index) {
   constexpr std::size_t kShown = 50;
 
   struct FilesOfAKind {
@@ -186,6 +187,7 @@ void addFiles(Report& report, const SmvIndex& index) {
     text += fmt::format("\n    and {} more", shown - kShown);
   if (!checks.empty())
     report.add("data_files", list, text);
+  return faults;
 }
 
 void addSources(Report& report, const FdsCase& opened) {
@@ -247,7 +249,7 @@ Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& r
   report.add("ended", index.ended, index.ended ? "yes" : "no: running, or stopped early");
   addMeshes(report, index);
   addContents(report, index);
-  addFiles(report, index);
+  const std::size_t faults = addFiles(report, index);
   FdsOptions options;
   options.source = request.field;
   options.maxMemory = reading.maxMemory;
@@ -265,7 +267,10 @@ Result<Report> describeFdsCase(const std::string& path, const DescribeRequest& r
     sentences.push_back(remark.sentence);
     text += "\n  " + remark.sentence;
   }
-  report.add("remarks", sentences, text.empty() ? "none: all files are whole" : text);
+  report.add("remarks", sentences,
+             !text.empty() ? text
+             : faults == 0 ? "none: all files are whole"
+                           : "none on the source of smoke");
   if (request.values)
     VOLUTE_TRY(addValues(report, *opened, reading));
   return report;
