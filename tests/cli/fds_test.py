@@ -507,6 +507,8 @@ class Fds(support.TestCase):
         signs.write_text('{"signs": [{"name": "s", "position": [1.9, 0.5, 0.5], "normal": [-1, 0, 0]}]}')
         self.assertIn("nothing in the case says how thick the smoke is",
                       self.fails(1, "visibility", self.case, "--signs", signs, "-o", self.path("seen")))
+        add_slice(self.path, self.case, 2, (0, 4, 0, 4, 2, 2), 1.0, ("SOOT DENSITY", "soot", "oz/gal"), "SLCF")
+        self.assertIn("SOOT DENSITY in oz/gal is no such", self.fails(1, "visibility", self.case, "--signs", signs, "-o", self.path("seen")))
 
 
 if __name__ == "__main__":

@@ -26,6 +26,20 @@ bool sameTime(double a, double b) {
   return std::abs(a - b) <= kSameTime * std::max({1.0, std::abs(a), std::abs(b)});
 }
 
+/// "; SOOT DENSITY in mg/m3 is no such": slices of smoke of which no extinction is made.
+std::string unusedSmoke(const SmvIndex& index) {
+  constexpr std::string_view kWords[] = {"SOOT", "EXTINCTION", "OPTICAL DENSITY", "VISIBILITY"};
+  std::set<std::string> stored;
+  for (const FdsSliceEntry& slice : index.slices) {
+    const std::string& quantity = slice.labels.quantity;
+    if (std::ranges::any_of(kWords, [&](std::string_view word) {
+          return quantity.find(word) != std::string::npos;
+        }))
+      stored.insert(fmt::format("{} in {}", quantity, slice.labels.unit));
+  }
+  return stored.empty() ? std::string() : fmt::format("; {} is no such", fmt::join(stored, ", "));
+}
+
 /// Whether boxes touch.
 bool near(const Box3& a, const Box3& b) {
   return (a.min.array() <= b.max.array() + kMeshSeparation).all() &&
@@ -116,8 +130,8 @@ Status FdsCase::chooseSource(const FdsOptions& options) {
   if (sources_.empty()) {
     return fail(ErrorCode::kNotFound,
                 "{}: nothing in the case says how thick the smoke is: it needs slices of "
-                "EXTINCTION COEFFICIENT (&SLCF), or SMOKE3D",
-                index_.path.string());
+                "EXTINCTION COEFFICIENT (&SLCF), or SMOKE3D{}",
+                index_.path.string(), unusedSmoke(index_));
   }
   if (options.source.empty()) {
     return fail(ErrorCode::kNotFound,

@@ -401,7 +401,7 @@ class PlanWatch final : public Watch {
 
   /// " From 40 % of the points no sign is in sight, smoke or not."
   std::string hiddenWords() const {
-    const auto count = std::ranges::count(hidden_[0], true);
+    const auto count = std::ranges::count(hidden_[0], true) - std::ranges::count(opened_, true);
     return count > 0
                ? fmt::format(" From {} no sign is in sight, smoke or not.", ofThePoints(count))
                : std::string();
