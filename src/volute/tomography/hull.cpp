@@ -102,29 +102,6 @@ bool isCutOff(const Image& image) {
   return static_cast<double>(zeros) > kMany * static_cast<double>(image.pixels.size());
 }
 
-/// What a blurred picture shows where it is dark, by its lower half alone: noise of films is alike
-/// in neighbouring pixels, so that blurring leaves more of it than of noise by itself.
-double topOfDarkness(const TomographyView& view, const Image& blurred, double below) {
-  constexpr double kSigmas = 3.5, kLow = 0.025, kQuarter = 0.25;
-  constexpr double kOfLow = 1.96, kOfQuarter = 0.674;  // of a normal distribution
-  std::vector<float> dark;
-  for (std::size_t i = 0; i < blurred.pixels.size(); ++i) {
-    if (view.counts(i / blurred.channels) && blurred.pixels[i] < below)
-      dark.push_back(blurred.pixels[i]);
-  }
-  if (dark.empty())
-    return 0;
-  const auto quantile = [&](double share) {
-    const auto at =
-        dark.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(dark.size()));
-    std::ranges::nth_element(dark, at);
-    return static_cast<double>(*at);
-  };
-  const double quarter = quantile(kQuarter);
-  const double sigma = (quarter - quantile(kLow)) / (kOfLow - kOfQuarter);
-  return quarter + (kOfQuarter + kSigmas) * sigma;
-}
-
 /// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
 /// noise is a fifth, and the mean of noise that is cut off at 0 is .4 of it.
 std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
@@ -132,12 +109,9 @@ std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<do
   const double darkest = kDarkest * brightestOf(view);
   double threshold = silhouetteThreshold(view, noiseSigma);
   const bool noisy = threshold > darkest;
+  if (noisy)
+    threshold = std::max(threshold / (isCutOff(view.radiance) ? kOfCutOff : kFifths), darkest);
   const Image image = noisy ? boxBlurred(view.radiance, kFifths) : view.radiance;
-  if (noisy) {
-    const double byItself = threshold / (isCutOff(view.radiance) ? kOfCutOff : kFifths);
-    threshold =
-        std::clamp(topOfDarkness(view, image, threshold), std::max(byItself, darkest), threshold);
-  }
   std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (std::abs(image.pixels[i]) > threshold)

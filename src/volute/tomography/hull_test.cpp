@@ -8,7 +8,6 @@
 #include <numbers>
 #include <random>
 
-#include "volute/tomography/box_blur.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -48,26 +47,6 @@ TEST(Noise, OfIntegersIsFound) {
     EXPECT_LT(noiseOf(view), 1.5 * std::hypot(noise, 0.29) * kStep) << noise;
     EXPECT_LT(lit(dilatedSilhouette(view, {})), before + 0.1) << noise;
   }
-}
-
-/// Films make noise alike in neighbouring pixels, and leave fewer zeros of it.
-TEST(Noise, OfFilmsLightsNoPixels) {
-  TestScene scene(1, 0, 0, 96, 88);
-  TomographyView& view = scene.views[0];
-  const float scale = 0.9F / *std::ranges::max_element(view.radiance.pixels);
-  for (float& value : view.radiance.pixels) value *= scale;
-  const auto lit = [&] {
-    const auto mask = dilatedSilhouette(view, {});
-    return static_cast<double>(std::ranges::count(mask, 1)) / static_cast<double>(mask.size());
-  };
-  const double before = lit();
-  Image noise(view.radiance.width, view.radiance.height);
-  std::mt19937 random(3);
-  std::normal_distribution<float> normal;
-  for (float& value : noise.pixels) value = std::max(0.0F, 0.006F * normal(random));
-  noise = boxBlurred(noise, 1.2);
-  for (std::size_t i = 0; i < noise.pixels.size(); ++i) view.radiance.pixels[i] += noise.pixels[i];
-  EXPECT_LT(lit(), before + 0.1);
 }
 
 TEST(Silhouette, IsDilatedByOnePixel) {
