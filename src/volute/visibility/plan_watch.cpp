@@ -613,7 +613,9 @@ class PlanWatch final : public Watch {
     picture.subtitle = lawsOf(set);
     picture.words = {{PlanMark::kKept,
                       fmt::format("never lost: still seen at {:g} s, the last time", survey_->end)},
-                     {PlanMark::kHidden, "no sign in sight, smoke or not"},
+                     {PlanMark::kHidden, std::ranges::count(opened_, true) > 0
+                                             ? "no sign in sight at the first time"
+                                             : "no sign in sight, smoke or not"},
                      {PlanMark::kUnknown, kNotKnownWords},
                      {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / asetName(set), plan_, picture,
