@@ -140,7 +140,8 @@ Status removeResults(const fs::path& old, const fs::path& target) {
     std::vector<fs::path> kept;
     for (const auto& entry : fs::recursive_directory_iterator(old, error)) {
       const fs::path name = entry.path().lexically_relative(old);
-      if (!entry.is_directory() && !results.contains(name.string()))
+      const bool isFolder = entry.is_directory(error) && !entry.is_symlink(error);
+      if (!isFolder && !results.contains(name.string()))
         kept.push_back(name);
     }
     for (const fs::path& name : kept) {

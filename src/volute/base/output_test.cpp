@@ -132,12 +132,14 @@ TEST_F(Output, FilesThatNoRunWroteStayInAFolderThatIsReplaced) {
     if (text == "one") {
       std::ofstream(target / "notes.txt") << "mine";
       std::ofstream(target / "maps" / "two") << "mine";  // what the next run writes
+      fs::create_directory_symlink("/", target / "link");
     }
   }
   EXPECT_EQ(textOf(target / "mark"), "three");
   EXPECT_EQ(textOf(target / "notes.txt"), "mine");
   EXPECT_EQ(textOf(target / "maps" / "two.kept"), "mine");
   EXPECT_FALSE(fs::exists(target / "maps" / "two"));
+  EXPECT_TRUE(fs::is_symlink(target / "link"));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
