@@ -320,6 +320,41 @@ class Plan(Visibility):
                          [(0, 1, 1.8), (1, 2, 1.8), (14, 15, 1.8)])
         self.assertEqual([m["people"] for m in self.report()["people"]], [1, 1, 1, 0])
 
+    def test_people_lose_signs_that_smoke_hides(self):
+        """Who stands at x = 4 with K = .02 t loses the sign of C = 3 at x = 20 at t = 3 / (.02 * 16); a wall hides none from who walks behind it."""
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (40, 8, 6), [(10, 10.5, 0, 2, 0, 3)])
+        case = FdsCase([mesh], [float(t) for t in range(0, 21, 2)], lambda t, *_: 0.02 * t).write(self.folder)
+        signs = self.signs({"name": "exit", "position": [20, 1, 2], "normal": [-1, 0, 0]})
+        self.path("walk.csv").write_text("id,time,x,y,z\n1,0,4,3.5,2\n1,20,4,3.5,2\n2,0,9,1,2\n2,20,9,1,2\n3,0,2,1,2\n3,2,14,1,2\n3,4,18,1,2\n")
+        told = self.look(case, signs, "--trajectories", self.path("walk.csv"))
+        self.assertTrue(told)
+        report = self.report()
+        (sight,) = report["aset"]
+        exact = 3 / (0.02 * (16**2 + 2.5**2)**.5)
+        self.assertEqual((sight["ids"], sight["in_sight"], sight["times"]), ([1, 2, 3], [True, False, True], [2 * (exact // 2), None, None]))
+        self.assertAlmostEqual(sight["times_interpolated"][0], exact, 4)
+        (verdict,) = [one for one in report["verdict"] if one["criterion"] == "sight of signs"]
+        self.assertIn("by person 1, at x = 4", verdict["sentence"])
+        self.assertIn("(2 of 3 people)", verdict["sentence"])
+        self.assertNotIn("sight of signs", report["verdict"][0]["not_assessed"])
+
+    def test_a_shutter_that_opens_begins_a_loss(self):
+        mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (40, 8, 6), [(10, 10.5, 0, 4, 0, 3)])
+        case = FdsCase([mesh], [0.0, 10.0, 20.0], lambda t, *_: 0.02 * t, [(0, 0, 0.0, True), (0, 0, 5.0, False)]).write(self.folder)
+        signs = self.signs({"name": "exit", "position": [20, 2, 2], "normal": [-1, 0, 0]})
+        eyes = self.eyes([(2, 2, 2), (15, 2, 2), (5, 1, 2)])
+        self.look(case, signs, "--eyes", eyes)
+        (loss,) = self.report()["aset"]
+        self.assertEqual(loss["in_sight"], [True] * 3)
+        self.assertIsNone(loss["times_interpolated"][1])
+        for found, distance, across in ((loss["times_interpolated"][0], 18, 0.5),
+                                        (loss["times_interpolated"][2], 226**.5, 0.5 / 15 * 226**.5)):
+            opened, later = 0.1 * distance + 0.1 * across, 0.2 * distance  # where the shutter was, smoke is known from 10 s on
+            self.assertAlmostEqual(found, 5 + 5 * (3 - opened) / (later - opened), 4)
+        self.assertEqual(loss["times"][0], 5)
+        run = self.works("visibility", case, "--signs", signs, "--height", 2, "--step", 1, "--output", self.path("plan"))
+        self.assertIn("a sign comes into sight after 0 s, where something opens", run.message)
+
     def test_people_of_evacuation_programs(self):
         """Pathfinder's table and JuPedSim's database of the same walk are the same, at eyes above the floor."""
         self.path("occupants.csv").write_text(

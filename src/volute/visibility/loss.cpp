@@ -126,9 +126,9 @@ SignLoss::SignLoss(std::span<const SightTarget> signs, std::vector<std::vector<s
       times_{kNever, -kNever},
       depth_(signs.size() * eyes),
       state_(depth_.size()) {
-  for (auto& members : sets) losses_.push_back({std::move(members), 1, true, {}, {}, {}});
+  for (auto& members : sets) losses_.push_back({.members = std::move(members)});
   for (const double factor : factors)
-    losses_.push_back({losses_.front().members, factor, false, {}, {}, {}});
+    losses_.push_back({.members = losses_.front().members, .factor = factor, .hasBest = false});
   for (Set& set : losses_) set.middle.resize(eyes);
 }
 
@@ -156,6 +156,8 @@ void SignLoss::update(double now, std::span<const Sighting> sightings) {
     for (std::size_t eye = begin; eye < end; ++eye) updateEye(eye, sightings);
   });
   last_ = times_.size() - 1;
+  for (std::size_t set = 0; set < losses_.size() && !begun_; ++set)
+    losses_[set].first = inSight(set);
   begun_ = true;
 }
 
@@ -171,7 +173,7 @@ void SignLoss::loseRest() {
   for (Set& set : losses_) {
     for (auto* losses : {&set.middle, &set.worst, &set.best}) {
       for (Loss& loss : *losses) {
-        if (loss.up == Loss::kNever && loss.known == Loss::kAlways)
+        if (loss.begun != 0 && loss.up == Loss::kNever && loss.known == Loss::kAlways)
           loss.known = last_;
       }
     }
@@ -179,11 +181,16 @@ void SignLoss::loseRest() {
 }
 
 LossTimes SignLoss::timesOf(const std::vector<Loss>& losses) const {
+  constexpr std::size_t kFirst = 2;  // in times_
   LossTimes times(losses.size());
   for (std::size_t i = 0; i < losses.size(); ++i) {
-    times.down[i] = times_[losses[i].down];
-    times.none[i] = losses[i].none;
-    times.up[i] = times_[losses[i].up];
+    if (losses[i].begun == 0 && begun_) {
+      times.note(i, times_[kFirst], times_[kFirst], times_[kFirst]);
+    } else {
+      times.down[i] = times_[losses[i].down];
+      times.none[i] = losses[i].none;
+      times.up[i] = times_[losses[i].up];
+    }
     if (losses[i].known != Loss::kAlways)
       times.lose(i, times_[losses[i].known]);
   }
@@ -193,6 +200,18 @@ LossTimes SignLoss::timesOf(const std::vector<Loss>& losses) const {
 LossTimes SignLoss::latest(std::size_t set) const {
   VOLUTE_ASSERT(losses_[set].hasBest);
   return timesOf(losses_[set].best.empty() ? losses_[set].middle : losses_[set].best);
+}
+
+std::vector<bool> SignLoss::inSight(std::size_t set) const {
+  std::vector<bool> in;
+  for (const Loss& loss : losses_[set].middle) in.push_back(loss.begun != 0);
+  return in;
+}
+
+std::vector<bool> SignLoss::inSightLater(std::size_t set) const {
+  std::vector<bool> later = inSight(set);
+  for (std::size_t i = 0; i < later.size(); ++i) later[i] = later[i] && !losses_[set].first[i];
+  return later;
 }
 
 void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
@@ -220,8 +239,13 @@ void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
   };
   thread_local std::vector<Span> spans;
   const auto follow = [&](const Set& set, Loss& loss, const auto& depthOf) {
+    const bool begun = loss.begun != 0;
+    if (!begun &&
+        std::ranges::none_of(set.members, [&](std::size_t sign) { return isOpen(at(sign)); }))
+      return;
+    loss.begun = 1;
     // How far from the time before on some sign is seen without a gap.
-    double reach = begun_ ? 0 : 1;
+    double reach = begun ? 0 : 1;
     bool seen = false, begins = false;
     bool perhaps = false;  // on lines that are not known everywhere
     spans.clear();
@@ -233,7 +257,7 @@ void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
         seen |= covered && depthOf(line).now <= limit;
         perhaps |= !covered && lowOf(line).now <= limit;
       }
-      if (!begun_ || (state_[line] & kOpen) == 0)
+      if (!begun || (state_[line] & kOpen) == 0)
         continue;
       if (covered && (state_[line] & kCovered) != 0) {
         spans.push_back(atMost(limit, depthOf(line).before, depthOf(line).now));
@@ -249,14 +273,14 @@ void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
         reach = std::max(reach, span.end);
       }
     }
-    if (begun_ && !begins)
+    if (begun && !begins)
       reach = 0;
     if (reach >= 1 && seen)
       return;
-    const std::uint64_t last = begun_ ? last_ : nowPlace;
+    const std::uint64_t last = begun ? last_ : nowPlace;
     const bool complete = loss.known == Loss::kAlways;
     if (perhaps) {
-      const std::uint64_t until = begun_ ? last : Loss::kNeverKnown;
+      const std::uint64_t until = begun ? last : Loss::kNeverKnown;
       if (complete || times_[until] < times_[loss.known])
         loss.known = until;
     } else if (complete || !seen) {

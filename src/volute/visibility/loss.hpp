@@ -29,8 +29,8 @@ enum class RoundTime {
 [[nodiscard]] Result<RoundTime> roundTime(std::string_view name);
 std::string_view nameOf(RoundTime round);
 
-/// The first loss at each of many places [s]; infinite where there is none. What is never so is
-/// lost at the first time. down <= none <= up.
+/// The first loss at each of many places [s]; infinite where there is none. What is not so when it
+/// is first looked at is lost then. down <= none <= up.
 ///
 /// A place whose air is not known all along has an answer until known[place] alone: nothing is lost
 /// there until then. A loss that is noted for it is one that is seen later: it comes at the latest
@@ -115,6 +115,9 @@ class LevelWatch {
 /// opaque comes or goes are given twice, with what was and with what is. Where a sign may be seen
 /// on lines alone on which the smoke is not known everywhere, nothing is known.
 ///
+/// A sign is in sight where nothing opaque hides it and it can be read in clear air. Before an eye
+/// has one of a set in sight, nothing is lost there: something opaque may open later.
+///
 /// What is kept of each eye is small, as there may be millions: times are positions in a list, and
 /// bounds are followed apart from when they first differ.
 class SignLoss {
@@ -149,10 +152,18 @@ class SignLoss {
   /// At the smallest.
   LossTimes latest(std::size_t set) const;
 
+  /// Which eyes have had a sign of a set in sight. Those that have not count as lost at the first
+  /// time.
+  std::vector<bool> inSight(std::size_t set) const;
+
+  /// Which of them had none at the first time.
+  std::vector<bool> inSightLater(std::size_t set) const;
+
  private:
   /// Positions in times_.
   struct Loss {
     std::uint64_t down : 21 = kNever, up : 21 = kNever, known : 21 = kAlways;
+    std::uint64_t begun : 1 = 0;  // a sign has been in sight
     double none = std::numeric_limits<double>::infinity();
 
     // Both are the same time: infinite.
@@ -163,7 +174,8 @@ class SignLoss {
     std::vector<std::size_t> members;
     double factor = 1;
     bool hasBest = true;
-    std::vector<Loss> middle, worst, best;  // the last two are empty while bounds do not differ
+    std::vector<Loss> middle = {}, worst = {}, best = {};  // the last two: where bounds differ
+    std::vector<bool> first = {};  // which had a sign in sight at the first time
   };
 
   static const std::vector<Loss>& worst(const Set& set) {

@@ -91,6 +91,40 @@ TEST(SignLoss, ADoorClosesAtItsOwnTimeAndNotBefore) {
     EXPECT_EQ(loss.times(0).by(round)[0], 13.7);
 }
 
+/// A sign behind a shutter: from where none is in sight nothing is lost until one is.
+TEST(SignLoss, ALossBeginsWhereASignComesIntoSight) {
+  const auto signs = bothSigns();
+  const Sighting shut = at(1, true);
+  SignLoss loss = oneLoss(signs);
+  loss.update(0, std::vector{shut});
+  loss.update(5, std::vector{shut});
+  EXPECT_FALSE(loss.inSight(0)[0]);
+  EXPECT_EQ(loss.times(0).up[0], 0);  // while none is
+  loss.update(5, std::vector{at(1)});
+  loss.update(10, std::vector{at(5)});
+  EXPECT_TRUE(loss.inSight(0)[0]);
+  EXPECT_TRUE(loss.inSightLater(0)[0]);
+  EXPECT_EQ(loss.times(0).down[0], 5);
+  EXPECT_DOUBLE_EQ(loss.times(0).none[0], 7.5);
+  EXPECT_EQ(loss.times(0).up[0], 10);
+  // Into smoke.
+  SignLoss late = oneLoss(signs);
+  late.update(0, std::vector{shut});
+  late.update(5, std::vector{shut});
+  late.update(5, std::vector{at(9)});
+  EXPECT_EQ(late.times(0).down[0], 5);
+  EXPECT_EQ(late.times(0).up[0], 5);
+  // What is not known after the end is not known of it alone.
+  SignLoss kept = oneLoss(signs);
+  kept.update(0, std::vector{shut});
+  kept.update(5, std::vector{shut});
+  kept.loseRest();
+  EXPECT_TRUE(kept.times(0).complete(0));
+  kept.update(6, std::vector{at(1)});
+  kept.loseRest();
+  EXPECT_EQ(kept.times(0).known[0], 6);
+}
+
 TEST(SignLoss, TheFirstLossCountsThoughItIsSeenAgain) {
   const auto signs = bothSigns();
   SignLoss loss = oneLoss(signs);

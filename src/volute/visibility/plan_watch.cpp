@@ -121,8 +121,6 @@ class PlanWatch final : public Watch {
                survey.times.front() > survey.field->times().front() ? "looked at" : "stored",
                survey.times.front())});
     }
-    hidden_.assign(survey.sets.size(), std::vector<bool>(eyes_.size(), true));
-    opened_.assign(eyes_.size(), false);
     inView_.assign(survey.signs.size(), false);
     std::error_code error;
     std::filesystem::create_directory(survey.folder / "maps", error);
@@ -142,10 +140,7 @@ class PlanWatch final : public Watch {
     losses_->update(at.time, at.sightings);
     if (!at.stored)
       return {};
-    if (at.index == 0)
-      noteHidden(at);
     noteInView(at);
-    noteOpened(at);
     if (survey_->extinctionLimit > 0)
       updateLocal(at);
     if (column_)
@@ -171,6 +166,7 @@ class PlanWatch final : public Watch {
   Result<std::string> finish(Json& report) override {
     if (survey_->endsAfter())
       VOLUTE_TRY(goOn());
+    noteHidden();
     leaveOutHigherFloors();
     leaveOutColumn();
     tellOutOfSight();
@@ -365,15 +361,11 @@ class PlanWatch final : public Watch {
            " is seen";
   }
 
-  /// Points from which no sign of a set is in sight before there is smoke.
-  void noteHidden(const SurveyTime& at) {
+  /// Points from which no sign of a set is in sight at any time, smoke or not.
+  void noteHidden() {
     for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
-      for (const std::size_t s : survey_->sets[set].members) {
-        for (std::size_t i = 0; i < eyes_.size(); ++i) {
-          if (inSight(at.sightings[s * eyes_.size() + i]))
-            hidden_[set][i] = false;
-        }
-      }
+      hidden_.push_back(losses_->inSight(set));
+      hidden_.back().flip();
     }
   }
 
@@ -386,14 +378,6 @@ class PlanWatch final : public Watch {
     }
   }
 
-  /// Points from which a sign comes into sight where something opens.
-  void noteOpened(const SurveyTime& at) {
-    for (std::size_t n = 0; n < at.sightings.size(); ++n) {
-      if (const std::size_t i = n % eyes_.size(); hidden_[0][i] && inSight(at.sightings[n]))
-        opened_[i] = true;
-    }
-  }
-
   std::string ofThePoints(std::ptrdiff_t count) const {
     return percentWords(static_cast<double>(count) / static_cast<double>(eyes_.size())) +
            " of the points";
@@ -401,7 +385,7 @@ class PlanWatch final : public Watch {
 
   /// " From 40 % of the points no sign is in sight, smoke or not."
   std::string hiddenWords() const {
-    const auto count = std::ranges::count(hidden_[0], true) - std::ranges::count(opened_, true);
+    const auto count = std::ranges::count(hidden_[0], true);
     return count > 0
                ? fmt::format(" From {} no sign is in sight, smoke or not.", ofThePoints(count))
                : std::string();
@@ -416,14 +400,13 @@ class PlanWatch final : public Watch {
                                        "not: is it covered, or does it face a wall?",
                                        survey_->signs[s].sign.name)});
     }
-    const auto opened = std::ranges::count(opened_, true);
-    if (opened > 0)
+    const auto later = std::ranges::count(losses_->inSightLater(0), true);
+    if (later > 0)
       progress_->remark(
-          {RemarkCode::kDoubtful,
-           fmt::format(
-               "from {} a sign comes into sight after {:g} s, where something opens: when it "
-               "is lost again from there no verdict says",
-               ofThePoints(opened), survey_->times.front())});
+          {RemarkCode::kAssumed,
+           fmt::format("from {} a sign comes into sight after {:g} s, where something opens: that "
+                       "none is before counts as no loss",
+                       ofThePoints(later), survey_->times.front())});
   }
 
   /// Whether a map of a set could show anything.
@@ -548,7 +531,7 @@ class PlanWatch final : public Watch {
     return rows;
   }
 
-  /// Where people are and see a sign of a set before there is smoke.
+  /// Where people are and see a sign of a set where there is no smoke.
   std::vector<bool> countsOf(std::size_t set) const {
     std::vector<bool> counts = use_.are(PlanUse::Kind::kPeople);
     for (std::size_t i = 0; i < counts.size(); ++i) counts[i] = counts[i] && !hidden_[set][i];
@@ -613,9 +596,7 @@ class PlanWatch final : public Watch {
     picture.subtitle = lawsOf(set);
     picture.words = {{PlanMark::kKept,
                       fmt::format("never lost: still seen at {:g} s, the last time", survey_->end)},
-                     {PlanMark::kHidden, std::ranges::count(opened_, true) > 0
-                                             ? "no sign in sight at the first time"
-                                             : "no sign in sight, smoke or not"},
+                     {PlanMark::kHidden, "no sign in sight, smoke or not"},
                      {PlanMark::kUnknown, kNotKnownWords},
                      {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / asetName(set), plan_, picture,
@@ -793,7 +774,6 @@ class PlanWatch final : public Watch {
   std::optional<SmokeColumn> column_;  // where it is not known where it burns
   PlanAreas areas_;
   std::vector<std::vector<bool>> hidden_;  // of each set
-  std::vector<bool> opened_;               // hidden at first, in sight later
   std::vector<bool> inView_;               // of each sign
   std::optional<LevelWatch> local_;
   std::optional<PlanTenability> tenability_;

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -157,8 +158,12 @@ class Job {
     SurveySummary summary{0, survey_.times, 0, 0, {}};
     if (team_.leads()) {
       summary.sightLines = csv_->rows();
-      summary.seenFirst = summary_.front()["any"].get<double>();
-      summary.seenLast = summary_.back()["any"].get<double>();
+      const auto share = [](const Json& record) {
+        return record["eyes"] == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                   : record["any"].get<double>();
+      };
+      summary.seenFirst = share(summary_.front());
+      summary.seenLast = share(summary_.back());
       for (const Json& one : page_.report.value("verdict", Json::array()))
         summary.verdict.push_back(one["sentence"].get<std::string>());
       if (watch_.hasPage())

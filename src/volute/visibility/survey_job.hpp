@@ -49,7 +49,7 @@ class SurveyPictures {
 struct SurveySummary {
   std::uint64_t sightLines = 0;
   std::vector<double> times;           ///< [s]
-  double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign
+  double seenFirst = 0, seenLast = 0;  ///< shares of the eyes that see a sign; NaN: no eyes
   std::vector<std::string> verdict;    ///< in sentences
   SurveyPage page{};                   ///< empty where there is none
 };

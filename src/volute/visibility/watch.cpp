@@ -66,7 +66,7 @@ struct Exposed {
 
 /// When the first of them reaches any criterion, and each; what nobody reaches, with the worst of
 /// all.
-/// @param sight  losses of sight of all signs, and where one is seen at all; null: of no matter
+/// @param sight  losses of sight of all signs, and where one is seen at all
 /// @param latestSight  the same by the least smoke that the data allow
 Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exposed& exposed,
                      const CountedLoss& sight, const CountedLoss& latestSight) {
@@ -83,13 +83,11 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     add(missing, name + why);
     notAssessed.push_back(name);
   };
-  if (sight.times != nullptr) {
+  if (!survey.signs.empty()) {
     losses.push_back(sight);
     latest.push_back(latestSight);
     names.emplace_back("sight of signs");
     count = sight.times->up.size();
-  } else if (!survey.signs.empty()) {
-    leaveOut("sight of signs", " (how many see one at each time is listed)");
   }
   for (const ExposureMeter::Missing& one : meter.missing()) leaveOut(one.criterion.name, "");
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
@@ -153,6 +151,27 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   if (first.any)
     verdict.back()["by"] = by;
   verdict.back()["not_assessed"] = std::move(notAssessed);
+  if (!survey.signs.empty()) {
+    const FirstLoss one = firstLoss(*sight.times, survey.round, *sight.counts);
+    const FirstLoss last = firstLoss(*latestSight.times, survey.round, *latestSight.counts);
+    const std::string them = fmt::format("those with one in sight without smoke ({} of {})",
+                                         std::ranges::count(*sight.counts, true), all);
+    text = "Sight of signs is ";
+    if (!one.certain()) {
+      text += unknownWords(one, "lost", them);
+      if (one.any)
+        text += fmt::format("; lost at the latest at {:.4g} s, by {}", one.up, who(one));
+    } else if (one.any) {
+      text +=
+          fmt::format("first lost at {}, by {}; by {:g} s by {} of {}",
+                      timeWords(one, survey.round), who(one), end, percentWords(one.share), them);
+    } else {
+      text += fmt::format("lost by none of {} until {:g} s", them, end);
+    }
+    text += "." + latestWords(one, last, "lost");
+    verdict.push_back(asJson("sight of signs", text, one));
+    verdict.back()["time_latest"] = latestJson(last, survey.round);
+  }
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
     if (!meter.isAssessed(c))
       continue;
@@ -216,7 +235,6 @@ class PointWatch : public Watch {
     std::vector<std::vector<std::size_t>> sets;
     for (const SignSet& set : survey.sets) sets.push_back(set.members);
     losses_.emplace(survey.signs, std::move(sets), points_.size());
-    inSight_.assign(points_.size(), false);
     if (!survey.criteria.empty())
       meter_.emplace(AirField::open(*survey.field, survey.criteria, survey.times.front()),
                      survey.criteria, points_.size());
@@ -229,11 +247,6 @@ class PointWatch : public Watch {
 
   Status take(const SurveyTime& at) override {
     losses_->update(at.time, at.sightings);
-    for (std::size_t i = 0; i < at.sightings.size(); ++i) {
-      const Sighting& one = at.sightings[i];
-      if (!one.blocked && one.limit > 0)
-        inSight_[i % points_.size()] = true;
-    }
     if (!meter_ || !at.stored)
       return {};
     return advance(at.time, {at.extinctionHigh, at.extinctionLow});
@@ -250,18 +263,20 @@ class PointWatch : public Watch {
                    {"times_interpolated", timesOf(loss.answers(RoundTime::kNone))},
                    {"times_up", timesOf(loss.answers(RoundTime::kUp))},
                    {"times_earliest", timesOf(losses_->earliest(set).answers(survey_->round))},
-                   {"times_latest", timesOf(losses_->latest(set).answers(survey_->round))}};
+                   {"times_latest", timesOf(losses_->latest(set).answers(survey_->round))},
+                   {"in_sight", losses_->inSight(set)}};
       addTimes(json, "times", loss, survey_->round, asList);
       report["aset"].push_back(std::move(json));
     }
     report["sources"] = sourcesJson(*survey_, meter_ ? &*meter_ : nullptr);
     if (meter_) {
       const LossTimes sight = losses_->earliest(0), latest = losses_->latest(0);
+      const std::vector<bool> inSight = losses_->inSight(0);
       report["verdict"] = exposureVerdict(
           *meter_, *survey_,
           {"point", "points", [](std::size_t i) { return fmt::format("point {}", i + 1); },
            [&](std::size_t i, double) { return points_[i]; }},
-          {&sight, &inSight_}, {&latest, &inSight_});
+          {&sight, &inSight}, {&latest, &inSight});
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
@@ -314,9 +329,75 @@ class PointWatch : public Watch {
   const Survey* survey_ = nullptr;
   std::vector<Vec3> points_;
   std::optional<SignLoss> losses_;
-  std::vector<bool> inSight_;  // from which points a sign is seen without smoke
   std::optional<ExposureMeter> meter_;
   std::string table_;  // lines of tenability.csv
+};
+
+/// When smoke hides from people on their way every sign that they would see without it. While
+/// nothing but walls is in their way, or they are not there, they lose none.
+class SightOnTheWay {
+ public:
+  explicit SightOnTheWay(std::size_t people)
+      : earliest_(people, 1), middle_(people, 1), latest_(people, 1), inSight_(people, false) {}
+
+  /// @param sightings  of all signs, `stride` apart
+  void note(std::size_t person, double now, const Sighting* sightings, std::size_t signs,
+            std::size_t stride) {
+    Share worst, middle, best;
+    for (std::size_t s = 0; s < signs; ++s) {
+      const Sighting& one = sightings[s * stride];
+      if (one.blocked || !(one.limit > 0))
+        continue;
+      worst.add(one, one.high);
+      middle.add(one, one.depth);
+      best.add(one, one.low);
+      inSight_[person] = true;
+    }
+    earliest_.note(person, now, worst.value(), {now, now});
+    middle_.note(person, now, middle.value(), {now, now});
+    latest_.note(person, now, best.value(), {now, now});
+  }
+
+  /// Nothing is known of somebody any more.
+  void lose(std::size_t person) {
+    for (LevelWatch* watch : {&earliest_, &middle_, &latest_}) watch->lose(person);
+  }
+
+  const LossTimes& earliest() const { return earliest_.times(); }
+
+  const LossTimes& times() const { return middle_.times(); }
+
+  const LossTimes& latest() const { return latest_.times(); }
+
+  /// Who has had a sign in sight.
+  const std::vector<bool>& inSight() const { return inSight_; }
+
+ private:
+  /// How much of the depth at which a sign is lost lies in front of the one that is seen best.
+  class Share {
+   public:
+    void add(const Sighting& sighting, double depth) {
+      any_ = true;
+      if (sighting.covered)
+        share_ = std::min(share_, depth / sighting.limit);
+      else
+        perhaps_ |= sighting.low <= sighting.limit;
+    }
+
+    /// Above 1: no sign is seen; NaN: not known.
+    double value() const {
+      if (!any_ || share_ <= 1)
+        return any_ ? share_ : 0;
+      return perhaps_ ? std::numeric_limits<double>::quiet_NaN() : share_;
+    }
+
+   private:
+    bool any_ = false, perhaps_ = false;
+    double share_ = std::numeric_limits<double>::infinity();
+  };
+
+  LevelWatch earliest_, middle_, latest_;
+  std::vector<bool> inSight_;
 };
 
 class TrajectoryWatch final : public Watch {
@@ -339,11 +420,12 @@ class TrajectoryWatch final : public Watch {
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      people_.ids().size());
-      const double start = survey.times.front();
-      for (const auto& [id, span] : people_.spans()) {
-        if (span.from < start && !isAt(start, span.from))
-          meter_->lose(placeOf(id));
-      }
+    }
+    sight_.emplace(people_.ids().size());
+    const double start = survey.times.front();
+    for (const auto& [id, span] : people_.spans()) {
+      if (span.from < start && !isAt(start, span.from))
+        lose(placeOf(id));
     }
     return {};
   }
@@ -385,6 +467,8 @@ class TrajectoryWatch final : public Watch {
       bool any = false;
       for (std::size_t s = 0; s < survey_->signs.size(); ++s)
         any |= at.sightings[s * people.size() + i].visible;
+      sight_->note(placeOf(people[i].id), at.time, &at.sightings[i], survey_->signs.size(),
+                   people.size());
       if (any)
         record["see_a_sign"] = record["see_a_sign"].get<int>() + 1;
       ids.push_back(people[i].id);
@@ -506,8 +590,6 @@ class TrajectoryWatch final : public Watch {
 
   /// Those who are there before the first time, or after the last one.
   void noteEnds() {
-    if (!meter_)
-      return;
     const double first = survey_->times.front(), last = survey_->times.back();
     std::size_t longer = 0;
     for (const auto& [id, span] : people_.spans()) {
@@ -515,15 +597,22 @@ class TrajectoryWatch final : public Watch {
       const bool after = span.until > last && !isAt(last, span.until);
       longer += before || after ? 1 : 0;
       if (after)
-        meter_->lose(placeOf(id));
+        lose(placeOf(id));
     }
     if (longer > 0) {
       progress_->remark(
           {RemarkCode::kDoubtful, fmt::format("{} of {} people are on their way before {:g} s or "
                                               "after {:g} s, where the smoke is not "
-                                              "known: what they take in is not known",
+                                              "known: what they see and take in then is not",
                                               longer, people_.people(), first, last)});
     }
+  }
+
+  /// Nothing is known of somebody from now on.
+  void lose(std::size_t person) {
+    sight_->lose(person);
+    if (meter_)
+      meter_->lose(person);
   }
 
   /// Whether a time is one of the stored ones, rounding aside.
@@ -554,6 +643,15 @@ class TrajectoryWatch final : public Watch {
                        outside_.size(), people_.people(), *outside_.begin()),
            {Hint::set("height")}});
     }
+    Json aset = {{"set", survey_->sets[0].name},
+                 {"ids", people_.ids()},
+                 {"in_sight", sight_->inSight()},
+                 {"times_interpolated", timesOf(sight_->times().answers(RoundTime::kNone))},
+                 {"times_up", timesOf(sight_->times().answers(RoundTime::kUp))},
+                 {"times_earliest", timesOf(sight_->earliest().answers(survey_->round))},
+                 {"times_latest", timesOf(sight_->latest().answers(survey_->round))}};
+    addTimes(aset, "times", sight_->times(), survey_->round, asList);
+    report["aset"] = Json::array({std::move(aset)});
     if (meter_) {
       report["tenability"]["ids"] = std::vector<int>(people_.ids().begin(), people_.ids().end());
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
@@ -566,7 +664,7 @@ class TrajectoryWatch final : public Watch {
              placesAt(time, places);
              return places[i];
            }},
-          {}, {});
+          {&sight_->earliest(), &sight_->inSight()}, {&sight_->latest(), &sight_->inSight()});
     }
     report["eyes"] = {{"kind", "trajectories"},
                       {"people", people_.people()},
@@ -599,6 +697,7 @@ class TrajectoryWatch final : public Watch {
   OnTheWay most_, least_;
   std::set<int> outside_;  // who was at some time where there is no gas
   std::optional<ExposureMeter> meter_;
+  std::optional<SightOnTheWay> sight_;
   Trajectories people_;
   Json records_ = Json::array();
 };

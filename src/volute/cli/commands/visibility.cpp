@@ -291,15 +291,17 @@ Status runVisibility(const Arguments& arguments, Context& context) {
                                     })
                     : surveyOf(arguments, context, heights.front(), output, pdf));
   VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
+  const auto seen = [](double share, double time, const char* what) {
+    return std::isnan(share) ? fmt::format("nobody is there at {:g} s", time)
+                             : fmt::format("{:.1f} %{} at {:g} s", 100 * share, what, time);
+  };
   Report report;
   report.add("output", output)
       .add("times", found.times.size(), fmt::format("{}", found.times.size()))
       .add("sight_lines", found.sightLines, fmt::format("{}", found.sightLines))
       .add("seen_first", found.seenFirst,
-           fmt::format("{:.1f} % of the eyes see a sign at {:g} s", 100 * found.seenFirst,
-                       found.times.front()))
-      .add("seen_last", found.seenLast,
-           fmt::format("{:.1f} % at {:g} s", 100 * found.seenLast, found.times.back()));
+           seen(found.seenFirst, found.times.front(), " of the eyes see a sign"))
+      .add("seen_last", found.seenLast, seen(found.seenLast, found.times.back(), ""));
   if (!found.verdict.empty())
     report.add("verdict", found.verdict,
                fmt::format("{}", fmt::join(found.verdict, "\n             ")));
