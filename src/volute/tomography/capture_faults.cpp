@@ -556,6 +556,11 @@ class FaultSearch {
     over.erase(over.begin() + static_cast<std::ptrdiff_t>(best));
     const bool alone =
         over.empty() || one.left / barOf(one).fitted < kSecond * std::ranges::min(over);
+    // The candidates are few; the exponent itself may leave much less.
+    constexpr double kNearly = 1.4;
+    const bool isExponent = one.kind == FaultKind::kExponent;
+    if (alone && isExponent && one.left < kNearly * barOf(one).fitted * now.all)
+      VOLUTE_TRY(measure(fine_, one, {0.8, 0.875, 0.94, 1.06, 1.125}));
     if (!alone || !(one.left < barOf(one).fitted * now.all))
       return std::optional<CaptureFault>();
     const auto judges = judgesOf(one);
@@ -567,8 +572,6 @@ class FaultSearch {
     const bool obvious = one.left < 0.5 * barOf(one).fitted * now.all;
     if (!(after < (obvious ? 1 : barOf(one).heldOut) * before))
       return std::optional<CaptureFault>();
-    if (one.kind == FaultKind::kExponent)
-      VOLUTE_TRY(measure(fine_, one, {0.8, 0.875, 0.94, 1.06, 1.125}));
     if (one.kind == FaultKind::kZoom)
       VOLUTE_TRY(measure(fine_, one, {0.84, 0.88, 0.92, 0.96, 1.04, 1.08, 1.12, 1.16}));
     if (one.kind == FaultKind::kLens)

@@ -92,7 +92,7 @@ double brightestOf(const TomographyView& view) {
 
 /// Whether dark pixels hold the upper half of their noise alone, as integers do.
 bool isCutOff(const Image& image) {
-  constexpr double kMany = 0.25;
+  constexpr double kMany = 0.15;
   std::size_t zeros = 0;
   for (const float value : image.pixels) {
     if (value < 0)
@@ -102,16 +102,37 @@ bool isCutOff(const Image& image) {
   return static_cast<double>(zeros) > kMany * static_cast<double>(image.pixels.size());
 }
 
+/// A tenth of a blurred picture's values below a limit are below this.
+double lowestBelow(const TomographyView& view, const Image& blurred, double limit) {
+  std::vector<float> dark;
+  for (std::size_t i = 0; i < blurred.pixels.size(); ++i) {
+    if (view.counts(i / blurred.channels) && blurred.pixels[i] < limit)
+      dark.push_back(blurred.pixels[i]);
+  }
+  if (dark.empty())
+    return 0;
+  const auto tenth = dark.begin() + static_cast<std::ptrdiff_t>(dark.size() / 10);
+  std::ranges::nth_element(dark, tenth);
+  return *tenth;
+}
+
 /// Pixels that show the medium. Where noise decides, the means of 25 pixels are looked at: their
-/// noise is a fifth, and the mean of noise that is cut off at 0 is .4 of it.
+/// noise is a fifth. The mean of noise that is cut off at 0 is .4 of it; films smooth noise, which
+/// leaves less of its differences, but all of that mean.
 std::vector<std::uint8_t> litPixels(const TomographyView& view, std::optional<double> noiseSigma) {
   constexpr double kFifths = 5, kOfCutOff = 4;  // a box so wide leaves a fifth of the noise
+  constexpr double kOfLowest = 3.5;             // 3.5 / kOfCutOff / (.4 - 1.28 * .58 / kFifths)
   const double darkest = kDarkest * brightestOf(view);
   double threshold = silhouetteThreshold(view, noiseSigma);
   const bool noisy = threshold > darkest;
-  if (noisy)
-    threshold = std::max(threshold / (isCutOff(view.radiance) ? kOfCutOff : kFifths), darkest);
   const Image image = noisy ? boxBlurred(view.radiance, kFifths) : view.radiance;
+  if (noisy) {
+    const double reached = isCutOff(view.radiance)
+                               ? std::clamp(kOfLowest * lowestBelow(view, image, threshold),
+                                            threshold / kOfCutOff, threshold)
+                               : threshold / kFifths;
+    threshold = std::max(reached, darkest);
+  }
   std::vector<std::uint8_t> mask(image.pixels.size() / image.channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     if (std::abs(image.pixels[i]) > threshold)

@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <random>
 
+#include "volute/image/srgb.hpp"
+#include "volute/tomography/box_blur.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -47,6 +50,30 @@ TEST(Noise, OfIntegersIsFound) {
     EXPECT_LT(noiseOf(view), 1.5 * std::hypot(noise, 0.29) * kStep) << noise;
     EXPECT_LT(lit(dilatedSilhouette(view, {})), before + 0.1) << noise;
   }
+}
+
+/// Films smooth noise, whose mean stays, and leave fewer zeros of it.
+TEST(Noise, OfFilmsLightsNoPixels) {
+  TestScene scene(1, 0, 0, 96, 88);
+  TomographyView& view = scene.views[0];
+  const float scale = 0.9F / *std::ranges::max_element(view.radiance.pixels);
+  for (float& value : view.radiance.pixels) value *= scale;
+  const auto lit = [&] {
+    const auto mask = dilatedSilhouette(view, {});
+    return static_cast<double>(std::ranges::count(mask, 1)) / static_cast<double>(mask.size());
+  };
+  const double before = lit();
+  Image noise(view.radiance.width, view.radiance.height);
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  for (float& value : noise.pixels) value = std::max(0.0F, 0.003F * normal(random));
+  noise = boxBlurred(noise, 1.07);
+  for (std::size_t i = 0; i < noise.pixels.size(); ++i) {
+    float& value = view.radiance.pixels[i];
+    const double stored = std::round(255 * srgbEncode(value + noise.pixels[i])) / 255;
+    value = static_cast<float>(srgbDecode(stored));
+  }
+  EXPECT_LT(lit(), before + 0.1);
 }
 
 TEST(Silhouette, IsDilatedByOnePixel) {
