@@ -300,6 +300,9 @@ inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
     info.unit = said["unit"].cast<std::string>();
   if (given("basis"))
     info.basis = basisNamed(said["basis"].cast<std::string>()).value_or(Basis::kBox);
+  if (const std::string up = given("up") ? said["up"].cast<std::string>() : std::string();
+      up.size() == 1)
+    info.up = up[0];
   if (given("times"))
     info.times = said["times"].cast<std::vector<double>>();
   if (given("frame_numbers"))

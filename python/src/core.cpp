@@ -19,6 +19,7 @@
 #include "volute/fds/fds_volume.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/masked_source.hpp"
+#include "volute/grid/resample.hpp"
 
 namespace volute::python {
 namespace {
@@ -160,11 +161,25 @@ py::array frameNumbers(const VolumeInfo& info) {
   return numbers;
 }
 
-py::dict describe(const VolumeInfo& info) {
+/// @param places  as GridDescription has them
+py::dict describe(const VolumeInfo& info, const std::vector<GridMatrix>& places = {}) {
   using namespace py::literals;
+  py::object matrices = py::none();
+  if (!places.empty()) {
+    py::array_t<double> all(
+        {static_cast<py::ssize_t>(places.size()), py::ssize_t{3}, py::ssize_t{4}});
+    for (std::size_t frame = 0; frame < places.size(); ++frame) {
+      const GridMatrix matrix = indexToWorld(info, places, frame);
+      std::ranges::copy(matrix, all.mutable_data() + frame * matrix.size());
+    }
+    matrices = std::move(all);
+  }
+  const Box3 box = places.empty() ? info.bounds : aroundPlaces(info.bounds, places);
+  const std::string up = info.up == 0 ? std::string() : std::string(1, info.up);
   return py::dict("name"_a = info.name, "unit"_a = info.unit,
                   "shape"_a = py::make_tuple(info.frames, info.z, info.y, info.x, info.channels),
-                  "bounds"_a = py::make_tuple(tupleOf(info.bounds.min), tupleOf(info.bounds.max)),
+                  "bounds"_a = py::make_tuple(tupleOf(box.min), tupleOf(box.max)),
+                  "voxel_size"_a = tupleOf(info.voxelSize()), "matrices"_a = matrices, "up"_a = up,
                   "times"_a = py::array_t<double>(info.times.size(), info.times.data()),
                   "frame_numbers"_a = frameNumbers(info),
                   "basis"_a = std::string(basisName(info.basis)));
@@ -184,7 +199,8 @@ class File {
     VolumeInfo info = reader_.info();
     if (reader_.grid().empty)  // no grid has values
       info.z = info.y = info.x = 0;
-    return describe(info);
+    const auto& description = reader_.grid().description;
+    return describe(info, description ? description->places() : std::vector<GridMatrix>());
   }
 
   py::dict header() const {

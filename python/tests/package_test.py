@@ -126,6 +126,25 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(volute.InvalidData, "empty"):
             v.grid("fuel")
 
+    def test_turned_voxels_say_where_they_are(self):
+        """A grid that is mirrored and turned: its box is that of the command, each voxel is where its matrix says, and no array pretends otherwise."""
+        folder = self.path
+        values = np.zeros((1, 5, 6, 7), np.float32)
+        values[0, 1, 2, 3] = 1
+        volute.compress(values, folder / "plain.volute", bounds=((0, 0, 0), (7, 6, 5)))
+        matrix = np.array([[0, -2, 0, 10], [1, 0, 0, 20], [0, 0, -1, 30]], float)
+        volute.resample(folder / "plain.volute", folder / "turned.volute", matrix=matrix)
+        v = volute.open(folder / "turned.volute")
+        self.assertEqual(v.matrices.shape, (1, 3, 4))
+        np.testing.assert_allclose(v.voxel_size, (1, 2, 1))
+        z, y, x = np.unravel_index(np.argmax(v[0]), v.shape[1:])
+        np.testing.assert_allclose(v.matrices[0] @ [x, y, z, 1], (3.5, 2.5, 1.5), atol=1)
+        said = json.loads(subprocess.run([sys.executable, "-m", "volute", "info", folder / "turned.volute", "--json"], capture_output=True, check=True).stdout)
+        np.testing.assert_allclose(np.ravel(v.bounds), np.ravel(said["bounds"]))
+        with self.assertRaisesRegex(ValueError, "turned.*volute.resample"):
+            volute.compress(v, folder / "wrong.volute")
+        self.assertIsNone(volute.open(folder / "plain.volute").matrices)
+
     def test_files_without_values(self):
         data = pathlib.Path(__file__).parents[2] / "tests" / "data"
         empty, kept = volute.open(data / "codec3_empty.volute"), volute.open(data / "codec3_kept.volute")

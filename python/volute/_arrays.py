@@ -341,7 +341,10 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
     if of_itself is not None:
         values, said = of_itself()
     if isinstance(values, Frames):
-        said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
+        if values.matrices is not None and given.get("bounds") is None:
+            raise ValueError(f"{values.path}: '{values.name}' is turned, sheared or mirrored, or moves by parts of a voxel, which an array cannot say; "
+                             "volute.resample() lays it along the axes, or give bounds")
+        said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis", "up")}
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
     elif isinstance(values, Function) and lazily:
         said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}

@@ -53,8 +53,15 @@ class Frames:
         self.shape = shape if shape[4] != 1 else shape[:4]
         #: what the values are, and their unit ("" when unknown)
         self.name, self.unit = info["name"], info["unit"]
-        #: ((x0, y0, z0), (x1, y1, z1)): the outer voxel faces [m]
+        #: ((x0, y0, z0), (x1, y1, z1)): the outer voxel faces [m], or a box around voxels that do not lie along the axes
         self.bounds = info["bounds"]
+        #: (x, y, z) [m], along the voxels' own edges
+        self.voxel_size = info["voxel_size"]
+        #: None, or of voxels that are turned, sheared or mirrored, or move by parts of a voxel: shape (t, 3, 4), from (x, y, z), counted
+        #: in voxels, to the centre of a voxel in the world [m]
+        self.matrices = info["matrices"]
+        #: the axis that points upwards, "x", "y" or "z"; "" when unknown
+        self.up = info["up"]
         #: when each frame is shown [s], shape (t,), ascending
         self.times = info["times"]
         self.times.flags.writeable = False
@@ -81,12 +88,6 @@ class Frames:
     @property
     def channels(self):
         return self.shape[4] if self.ndim == 5 else 1
-
-    @property
-    def voxel_size(self):
-        """(x, y, z) [m]"""
-        low, high = self.bounds
-        return tuple((high[i] - low[i]) / self.shape[3 - i] for i in range(3))
 
     def __len__(self):
         return self.shape[0]

@@ -55,7 +55,11 @@ class Reader(VTKPythonAlgorithmBase):
 
     def _open(self):
         if self._volume is None:
-            self._volume = volute.open(self._name)
+            opened = volute.open(self._name)
+            if opened.matrices is not None:
+                raise ValueError(f"{self._name}: '{opened.name}' is turned, sheared or mirrored, or moves by parts of a voxel; lay it along the axes "
+                                 "by volute.resample()")
+            self._volume = opened
         return self._volume
 
     def _box(self):

@@ -7,8 +7,9 @@
     data["density"].sel(t=0.4, method="nearest").mean("z")           # decodes only the blocks needed
 
 Each grid of a file is a variable with the dimensions t, z, y, x, and c with three channels; those of a grid that lies elsewhere have
-its name (x_velocity). Coordinates are times [s] and the centres of voxels [m]; attributes are the unit and the errors that the file
-states. volute.compress(data["density"], ..) writes such arrays."""
+its name (x_velocity). Coordinates are times [s] and the centres of voxels [m]; voxels that do not lie along the axes have none, but the
+attribute matrices: of each frame three rows of four numbers, from (x, y, z), counted in voxels, to the world. Other attributes are the unit
+and the errors that the file states. volute.compress(data["density"], ..) writes such arrays."""
 import os
 
 import numpy as np
@@ -32,7 +33,7 @@ class _Lazy(BackendArray):
 
 def _place(opened):
     """What two grids with the same coordinates have in common."""
-    return opened.shape[:4], opened.bounds, tuple(opened.times)
+    return opened.shape[:4], opened.bounds, tuple(opened.times), None if opened.matrices is None else opened.matrices.tobytes()
 
 
 def _centres(opened, axis):
@@ -59,10 +60,12 @@ class Backend(BackendEntrypoint):
             attributes = {"max_error": opened.max_error, "relative_rms_error": opened.rms, "basis": opened.basis}
             if opened.unit:
                 attributes["units"] = opened.unit
+            if opened.matrices is not None:
+                attributes["matrices"] = opened.matrices.ravel()
             variables[name] = Variable(dimensions, indexing.LazilyIndexedArray(_Lazy(opened)), attributes,
                                        {"preferred_chunks": dict(zip(dimensions, opened.chunks))})
             coordinates["t" + ending] = Variable("t" + ending, np.asarray(opened.times), {"units": "s", "axis": "T"})
-            for axis, letter in enumerate("xyz"):
+            for axis, letter in enumerate("xyz" if opened.matrices is None else ""):
                 coordinates[letter + ending] = Variable(letter + ending, _centres(opened, axis), {"units": "m", "axis": letter.upper()})
         dataset = Dataset(variables, coordinates, {"provenance": first.provenance})
         dataset.set_close(lambda: [opened.close() for opened in grids.values()])

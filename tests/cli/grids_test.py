@@ -642,6 +642,82 @@ class Grids(support.TestCase):
         # A flame that begins to burn in the second frame.
         self.assertNotIn("flame", [one["name"] for one in self.works("info", back / "c_0100.vdb", "--json").json["grids"]])
 
+    def test_a_region_keeps_what_describes_a_grid(self):
+        """Type, class, half floats, metadata and the indices of its voxels, through extract --region and compress --bounds alike."""
+        folder = self.unpack()
+        says = lambda file, name: [(one["type"], one["class"], one["half"], one["voxel_size"])
+                                   for one in self.works("info", file, "--json").json["grids"] if one["name"] == name]
+        whole = folder / "c_0101.vdb"
+        for name in ("velocity", "density"):
+            told = self.works("info", CACHE, "--field", name, "--json").json
+            size = told["size"]
+            low, high = told["bounds"][:3], told["bounds"][3:]
+            region = f"1:{size[0]},0:{size[1]},1:{size[2]}"
+            self.works("extract", CACHE, "-o", self.path("part_%04d.vdb"), "--field", name, "--region", region, "--frames", "101:102", "--strict")
+            part = self.path("part_0101.vdb")
+            self.assertEqual(says(part, name), says(whole, name))
+            low = [low[axis] + (high[axis] - low[axis]) / size[axis] * (axis != 1) for axis in range(3)]
+            bounds = "--bounds=" + ",".join(f"{v:.9g}" for v in low + high)
+            self.works("compress", folder / "c_%04d.vdb", "-o", self.path("cut.volute"), "--field", name, bounds, "--rms", "1e-6")
+            self.works("extract", self.path("cut.volute"), "-o", self.path("cut_%04d.vdb"))
+            cut = self.path("cut_0101.vdb")
+            self.assertEqual(says(cut, name), says(whole, name))
+            compared = self.works("compare", part, cut, "--field", name, "--strict", "--json").json
+            self.assertLessEqual(compared["relative_rms"], 1e-3)
+
+    def test_what_lies_elsewhere_is_told(self):
+        values = struct.pack("<8f", *range(8))
+        write_npy(self.path("a.npy"), (1, 2, 2, 2), values)
+        for name, bounds in (("a", "0,0,0,2,2,2"), ("moved", "1,0,0,3,2,2"), ("large", "0,0,0,200,200,200")):
+            self.works("compress", self.path("a.npy"), "-o", self.path(f"{name}.volute"), "--bounds", bounds, "--rms", "1e-6")
+        self.works("compare", self.path("a.volute"), self.path("a.volute"), "--strict")
+        for name in ("moved", "large"):
+            self.assertIn("lie elsewhere", self.fails(1, "compare", self.path("a.volute"), self.path(f"{name}.volute"), "--strict"))
+
+    def test_the_stated_grid_is_the_one_that_is_shown(self):
+        for name, says in (("temperature", "fire from 'temperature'"), ("flame", "fire from 'flame'"), ("density", "smoke from 'density'")):
+            shown = volute("render", CACHE, "-o", self.path("x.png"), "--size", "16x16", "--field", name)
+            self.assertEqual(shown.code, 0, shown.message)
+            self.assertIn(says, shown.message)
+            self.assertEqual("smoke from" in shown.message, name == "density", shown.message)
+
+    def test_a_sequence_with_a_frame_that_is_cut_is_not_whole(self):
+        folder = self.unpack()
+        frame = folder / "c_0101.vdb"
+        frame.write_bytes(frame.read_bytes()[:-200])
+        self.assertIn("c_0101.vdb", self.fails(1, "info", folder))
+
+    def test_components_on_faces_are_told_where_they_do_not_stay_there(self):
+        level = ("extract", CACHE, "-o", self.path("l_%04d.vdb"), "--level", "1", "--field")
+        self.assertNotIn("staggered", self.works(*level, "density").message)
+        self.assertIn("'velocity' is staggered", self.works(*level, "velocity").message)
+        turned = ("resample", CACHE, "-o", self.path("t_%04d.vdb"), "--field", "velocity", "--matrix", "0,-.1,0,0,.1,0,0,0,0,0,.1,0")
+        self.assertIn("'velocity' is staggered", self.works(*turned).message)
+        for file, kind in ((self.path("t_0101.vdb"), ""), (self.path("l_0101.vdb"), "staggered")):
+            (grid,) = self.works("info", file, "--json").json["grids"]
+            self.assertEqual(grid["class"], kind)
+
+    def test_a_time_of_six_digits_is_that_of_its_frame(self):
+        """Frame 101 begins at 0.04 s."""
+        for name, time in (("before", "0.0399"), ("nearly", "0.039999"), ("then", "0.04")):
+            self.works("render", CACHE, "-o", self.path(f"{name}.exr"), "--size", "24x24", "--time", time)
+        same = lambda name: self.works("compare", self.path(f"{name}.exr"), self.path("then.exr"), "--json").json["rms"]
+        self.assertEqual(same("nearly"), 0)
+        self.assertGreater(same("before"), 0)
+
+    def test_originals_that_are_replaced_are_told(self):
+        """Files of other programs have random identifiers, of 36 characters from byte 21 on; those of an earlier run are replaced as ever."""
+        folder = self.unpack()
+        self.works("extract", CACHE, "-o", folder / "c_%04d.vdb", "--strict")
+        for file in folder.glob("c_*.vdb"):
+            data = file.read_bytes()
+            file.write_bytes(data[:21] + b"0f5b3c52-7a1e-4d6b-9c33-5d2a7e90b1c4" + data[57:])
+        before = (folder / "c_0101.vdb").read_bytes()
+        self.assertIn("not written by Volute", self.fails(1, "extract", CACHE, "-o", folder / "c_%04d.vdb", "--strict"))
+        self.assertEqual((folder / "c_0101.vdb").read_bytes(), before)
+        self.assertIn("2 more were not", self.works("extract", CACHE, "-o", folder / "c_%04d.vdb").message)
+        self.works("extract", CACHE, "-o", folder / "c_%04d.vdb", "--strict")
+
     def test_parts_of_a_cache_are_joined(self):
         """One frame and two of them: volumes grow from one to the other, and the flame is in the second alone."""
         folder = self.unpack()

@@ -40,13 +40,17 @@ struct FrameMetadata {
   bool operator==(const FrameMetadata&) const = default;
 };
 
+/// GridDescription::gridClass of vectors whose components are each in the middle of the face before
+/// the voxel along its own axis.
+inline constexpr const char* kStaggered = "staggered";
+
 /// What a cache says of one of its grids beside the values, so that it can be given back as it was.
 /// Axes are in the order x, y, z.
 struct GridDescription {
   using Index = std::array<std::int64_t, 3>;
 
   std::string type = "float";          ///< of a value: float, double, vec3s or vec3d
-  std::string gridClass{};             ///< "fog volume", "level set", "staggered"; empty: unknown
+  std::string gridClass{};             ///< "fog volume", "level set", kStaggered; empty: unknown
   bool half = false;                   ///< values are stored as 16-bit floats
   std::array<double, 3> background{};  ///< of each channel, where the cache has no voxels
   std::string map{};                   ///< OpenVDB's name of the kind of transform

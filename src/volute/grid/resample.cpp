@@ -250,7 +250,8 @@ struct NewBrick {
 };
 
 NewBrick sampleBrick(const VoxelFinder& finder, const LatticeMap& map, const IndexBox& box,
-                     Basis basis, const Bricks& old, const VoxelIndex& place) {
+                     Basis basis, Components components, const Bricks& old,
+                     const VoxelIndex& place) {
   NewBrick made;
   const auto channels = static_cast<std::size_t>(old.channels());
   for (std::size_t a = 0; a < 3; ++a) made.leaf.origin[a] = place[a] * Bricks::kSide;
@@ -274,15 +275,26 @@ NewBrick sampleBrick(const VoxelFinder& finder, const LatticeMap& map, const Ind
     for (int k = 0; k < parts[2]; ++k) {
       for (int j = 0; j < parts[1]; ++j) {
         for (int i = 0; i < parts[0]; ++i) {
-          const Vec3 at = map.toOld(
-              centre + Vec3((i + 0.5) / parts[0], (j + 0.5) / parts[1], (k + 0.5) / parts[2]) -
-              Vec3::Constant(0.5));
+          const Vec3 part = centre +
+                            Vec3((i + 0.5) / parts[0], (j + 0.5) / parts[1], (k + 0.5) / parts[2]) -
+                            Vec3::Constant(0.5);
+          const Vec3 at = map.toOld(part);
           // Beyond what can be counted nothing is.
           if (!(at.cwiseAbs().maxCoeff() < 1e12)) {
             for (std::size_t c = 0; c < channels; ++c) sum[c] += weight * old.background()[c];
             continue;
           }
-          active |= addSample(finder, basis, at, weight, sum, last);
+          if (components == Components::kAtCentres) {
+            active |= addSample(finder, basis, at, weight, sum, last);
+            continue;
+          }
+          for (std::size_t c = 0; c < channels; ++c) {
+            const Vec3 half = 0.5 * Vec3::Unit(static_cast<int>(c));
+            const Vec3 face = components == Components::kAtFaces ? map.toOld(part - half) : at;
+            double all[3] = {};
+            active |= addSample(finder, basis, face + half, weight, all, last);
+            sum[c] += all[c];
+          }
         }
       }
     }
@@ -367,7 +379,8 @@ class ResampledSource final : public RoundingSource {
  public:
   ResampledSource(std::unique_ptr<FrameSource> source, std::vector<GridMatrix> places,
                   const Lattice& lattice, Basis basis, std::uint64_t maxMemory,
-                  std::vector<Mat3> turns, std::function<void(int, const VoxelsCut&)> onCut)
+                  std::vector<Mat3> turns, std::function<void(int, const VoxelsCut&)> onCut,
+                  Components components)
       : source_(std::move(source)),
         places_(std::move(places)),
         lattice_(lattice),
@@ -375,6 +388,7 @@ class ResampledSource final : public RoundingSource {
         maxMemory_(maxMemory),
         turns_(std::move(turns)),
         onCut_(std::move(onCut)),
+        components_(components),
         info_(source_->info()) {
     info_.x = static_cast<int>(lattice.box.size(0));
     info_.y = static_cast<int>(lattice.box.size(1));
@@ -410,12 +424,13 @@ class ResampledSource final : public RoundingSource {
       onCut_(index, cutOf(bricks, map, lattice_.box));
     IndexBox box = lattice_.box;
     box.begin[2] = lattice_.box.begin[2] + first, box.end[2] = lattice_.box.begin[2] + end;
-    if (const auto moved = wholeVoxels(map)) {
+    const auto moved = wholeVoxels(map);
+    if (moved && components_ != Components::kFacesToCentres) {
       bricks.shift(*moved);
       bricks.crop(box);
     } else {
       bricks.sort();
-      auto made = resampled(bricks, map, box, basis_, maxMemory_);
+      auto made = resampled(bricks, map, box, basis_, maxMemory_, components_);
       if (!made) {
         return fail(made.error().code, made.error().hints, "'{}', frame {}: {}", info_.name,
                     info_.frameText(frame), made.error().message);
@@ -495,20 +510,23 @@ class ResampledSource final : public RoundingSource {
   std::uint64_t maxMemory_;
   std::vector<Mat3> turns_;
   std::function<void(int, const VoxelsCut&)> onCut_;
+  Components components_;
   VolumeInfo info_;
 };
 
 }  // namespace
 
 Result<Bricks> resampled(const Bricks& bricks, const LatticeMap& map, const IndexBox& box,
-                         Basis basis, std::uint64_t maxMemory) {
+                         Basis basis, std::uint64_t maxMemory, Components components) {
   const auto tooLarge = [&] {
     return fail(ErrorCode::kTooLarge,
                 {Hint::raise("voxel_size"), Hint::set("bounds"), Hint::raise("max_memory")},
                 "on the new lattice it takes more than the {} MiB of memory allowed",
                 maxMemory >> 20);
   };
-  ReachedBricks reached(map, box, reachOf(basis), maxMemory);
+  // A face of an old voxel may be that of a new one beside it.
+  const double aside = components == Components::kAtCentres ? 0 : 1;
+  ReachedBricks reached(map, box, reachOf(basis) + aside, maxMemory);
   for (const Bricks::Leaf& leaf : bricks.leaves()) {
     const VoxelIndex& o = leaf.origin;
     if (!reached.add({o, {o[0] + Bricks::kSide, o[1] + Bricks::kSide, o[2] + Bricks::kSide}}))
@@ -527,7 +545,7 @@ Result<Bricks> resampled(const Bricks& bricks, const LatticeMap& map, const Inde
     made.assign(std::min(kAtOnce, places.size() - first), {});
     parallelRanges(made.size(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        made[i] = sampleBrick(finder, map, box, basis, bricks, places[first + i]);
+        made[i] = sampleBrick(finder, map, box, basis, components, bricks, places[first + i]);
     });
     for (const NewBrick& brick : made) {
       if (!brick.values.empty())
@@ -544,9 +562,11 @@ std::unique_ptr<FrameSource> resampleTo(std::unique_ptr<FrameSource> source,
                                         std::vector<GridMatrix> places, const Lattice& lattice,
                                         Basis basis, std::uint64_t maxMemory,
                                         std::vector<Mat3> turns,
-                                        std::function<void(int, const VoxelsCut&)> onCut) {
+                                        std::function<void(int, const VoxelsCut&)> onCut,
+                                        Components components) {
   return std::make_unique<ResampledSource>(std::move(source), std::move(places), lattice, basis,
-                                           maxMemory, std::move(turns), std::move(onCut));
+                                           maxMemory, std::move(turns), std::move(onCut),
+                                           components);
 }
 
 GridMatrix indexToWorld(const VolumeInfo& info, const std::vector<GridMatrix>& places,

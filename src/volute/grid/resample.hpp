@@ -45,14 +45,20 @@ class AffineLattices final : public LatticeMap {
   Mat3 back_;
 };
 
+/// Where the components of vectors are: at the voxels' centres, or each in the middle of the face
+/// before it along its own axis (staggered).
+enum class Components { kAtCentres, kAtFaces, kFacesToCentres };
+
 /// What is in `bricks` on another lattice. A new voxel has the value of the basis at its centre,
 /// or, where it is larger than old ones, the mean over the centres of as many parts of it along
 /// each axis as it is long in old voxels, 16 at most. It is active where an active voxel counts in
 /// that. kTooLarge where more than `maxMemory` would be taken.
 /// @param bricks  after sort()
 /// @param box  of new voxels; the rest is left out
+/// @param components  of three channels
 [[nodiscard]] Result<Bricks> resampled(const Bricks& bricks, const LatticeMap& map,
-                                       const IndexBox& box, Basis basis, std::uint64_t maxMemory);
+                                       const IndexBox& box, Basis basis, std::uint64_t maxMemory,
+                                       Components components = Components::kAtCentres);
 
 /// A lattice of voxels and a part of it.
 struct Lattice {
@@ -71,13 +77,15 @@ struct VoxelsCut {
 /// its bricks stay as they are. Its bounds are in spaceOf(lattice.indexToWorld).
 /// @param places  of the source, as PlacedFrames has them
 /// @param turns  of the vectors in it, in each frame; empty: they are the same on the new lattice
+/// @param components  of three channels; kAtFaces for lattices along the same axes alone
 /// @param onCut  called for each frame that is read from its first layer on, by any thread; may be
 ///               empty
 std::unique_ptr<FrameSource> resampleTo(std::unique_ptr<FrameSource> source,
                                         std::vector<GridMatrix> places, const Lattice& lattice,
                                         Basis basis, std::uint64_t maxMemory,
                                         std::vector<Mat3> turns = {},
-                                        std::function<void(int, const VoxelsCut&)> onCut = {});
+                                        std::function<void(int, const VoxelsCut&)> onCut = {},
+                                        Components components = Components::kAtCentres);
 
 /// From the index of a volume's first voxel to the world in a frame.
 /// @param places  as PlacedFrames has them

@@ -72,6 +72,43 @@ TEST(Resample, WhatIsLinearStaysExactOnTurnedVoxels) {
       }
 }
 
+/// Components that are each linear in the place of their own face stay so where voxels have another
+/// size, or go to the centres of turned ones.
+TEST(Resample, StaggeredComponentsStayOnTheirFaces) {
+  Sequence faces = ramp(3);
+  const auto at = [](const Vec3& place, int c) {
+    return 1 + place[0] + 2 * place[1] + 3 * place[2] + c;
+  };
+  std::size_t n = 0;
+  for (int z = 0; z < 24; ++z)
+    for (int y = 0; y < 24; ++y)
+      for (int x = 0; x < 24; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const Vec3 centre = 0.1 * (Vec3(x, y, z) + Vec3::Constant(0.5));
+          faces.values[n++] = static_cast<float>(at(centre - 0.05 * Vec3::Unit(c), c));
+        }
+  const GridMatrix coarse = gridMatrix(0.2 * Mat3::Identity(), Vec3::Constant(0.1));
+  const GridMatrix fine = gridMatrix(0.04 * Mat3::Identity(), Vec3::Constant(0.55));
+  for (const auto& [matrix, components] :
+       {std::pair(coarse, Components::kAtFaces), std::pair(fine, Components::kAtFaces),
+        std::pair(turnedBy(0.5, 0.07, {1.2, 1.2, 1.2}), Components::kFacesToCentres)}) {
+    const Lattice lattice{matrix, {{2, 2, 2}, {8, 8, 8}}};
+    const auto source = resampleTo(std::make_unique<SequenceSource>(faces), {}, lattice,
+                                   Basis::kTrilinear, kMemory, {}, {}, components);
+    std::vector<float> values(source->info().frameValues());
+    ASSERT_TRUE(source->readFrame(0, values));
+    std::size_t v = 0;
+    for (int z = 2; z < 8; ++z)
+      for (int y = 2; y < 8; ++y)
+        for (int x = 2; x < 8; ++x)
+          for (int c = 0; c < 3; ++c) {
+            const double aside = components == Components::kAtFaces ? 0.5 : 0;
+            const Vec3 index = Vec3(x, y, z) - aside * Vec3::Unit(c);
+            ASSERT_NEAR(values[v++], at(linearOf(matrix) * index + offsetOf(matrix), c), 1e-5);
+          }
+  }
+}
+
 TEST(Resample, BackAgainIsWhatItWas) {
   // From voxels that are turned to ones along the axes.
   const GridMatrix matrix = turnedBy(-0.7, 1, Vec3(3, 1, 2));

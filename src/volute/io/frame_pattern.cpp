@@ -162,8 +162,8 @@ std::optional<NumberedFile> numberedFile(const std::filesystem::path& file, bool
   return written ? numberedBy(*written, file) : std::nullopt;
 }
 
-/// Files' names without their numbers, and how many have each.
-using Sequences = std::map<std::pair<std::string, std::string>, int>;
+/// Files' names without their numbers, and those that have each.
+using Sequences = std::map<std::pair<std::string, std::string>, std::vector<std::string>>;
 
 Sequences sequencesOf(const std::vector<NumberedFile>& files, bool decimals) {
   Sequences sequences;
@@ -171,9 +171,34 @@ Sequences sequencesOf(const std::vector<NumberedFile>& files, bool decimals) {
     const std::string name = file.path.filename().string();
     // NOLINTNEXTLINE(bugprone-unchecked-optional-access): it is one of these
     const auto place = *lastNumber(file.path.stem().string(), decimals);
-    ++sequences[{name.substr(0, place.begin), name.substr(place.end)}];
+    sequences[{name.substr(0, place.begin), name.substr(place.end)}].push_back(name);
   }
   return sequences;
+}
+
+/// The first of some patterns that all files of a sequence have.
+std::string patternOf(const Sequences::value_type& sequence) {
+  const auto& [text, names] = sequence;
+  const auto named = [&](std::string_view field) {
+    return fmt::format("{}{}{}", text.first, field, text.second);
+  };
+  // Of the whole part, with its sign, which printf counts.
+  std::size_t width = std::string::npos;
+  for (const std::string& name : names) {
+    const std::string_view number = std::string_view(name).substr(
+        text.first.size(), name.size() - text.first.size() - text.second.size());
+    width = std::min({width, number.find('.'), number.size()});
+  }
+  for (const std::string& field : {std::string(width, '#'), std::string("%d")}) {
+    if (field == "#")
+      continue;  // not everywhere in a name
+    const auto pattern = FramePattern::parse(named(field));
+    if (pattern && std::ranges::all_of(names, [&](const std::string& name) {
+          return pattern->match(name).has_value();
+        }))
+      return named(field);
+  }
+  return named("<frame>");
 }
 
 /// Files of two sequences would be shown in turn.
@@ -181,9 +206,10 @@ Status checkOneSequence(const std::filesystem::path& folder, const Sequences& se
   if (sequences.size() < 2)
     return {};
   std::string found;
-  for (const auto& [name, count] : sequences) {
-    found += fmt::format("{}{}####{} ({} file{})", found.empty() ? "" : " and ", name.first,
-                         name.second, count, count == 1 ? "" : "s");
+  for (const auto& sequence : sequences) {
+    const std::size_t count = sequence.second.size();
+    found += fmt::format("{}{} ({} file{})", found.empty() ? "" : " and ", patternOf(sequence),
+                         count, count == 1 ? "" : "s");
   }
   return fail(ErrorCode::kInvalidArgument,
               "{}: holds {} sequences, {}; name one of them with its pattern", folder.string(),
@@ -414,10 +440,11 @@ Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path&
   const Sequences sequences = sequencesOf(found, false);
   if (sequences.size() > 1) {
     std::vector<NumberedFile> fractions = numbered(true);
-    if (sequencesOf(fractions, true).size() == 1)
-      found = std::move(fractions);
-    else
-      VOLUTE_TRY(checkOneSequence(folder, sequences));
+    const Sequences fewer = sequencesOf(fractions, true);
+    if (fewer.size() > 1)
+      return tl::unexpected(
+          checkOneSequence(folder, fewer.size() < sequences.size() ? fewer : sequences).error());
+    found = std::move(fractions);
   }
   VOLUTE_TRY(toOneScale(found));
   VOLUTE_TRY(sortByNumber(found));

@@ -193,8 +193,27 @@ TEST(NumberedFiles, TwoSeriesInOneFolderAreAnError) {
     writeBytes(folder / name, "");
   const auto files = listNumberedFiles(folder.path(), ".vdb");
   ASSERT_FALSE(files);
-  for (const char* part : {"2 sequences", "flame_####.vdb (2 files)", "smoke_####.vdb (1 file)"})
+  for (const char* part : {"2 sequences", "flame_%d.vdb (2 files)", "smoke_%d.vdb (1 file)"})
     EXPECT_NE(files.error().message.find(part), std::string::npos) << files.error().message;
+}
+
+TEST(NumberedFiles, PatternsThatAreNamedMatch) {
+  const TempFolder folder;
+  for (const char* name :
+       {"a_0009.vdb", "a_0010.vdb", "b.-2.vdb", "b.0.vdb", "b.10.vdb", "c.-01.vdb", "c.000.vdb",
+        "s.0100.00.vdb", "s.0100.50.vdb", "s.0101.00.vdb", "u_99.vdb", "u_0100.vdb"})
+    writeBytes(folder / name, "");
+  const auto files = listNumberedFiles(folder.path(), ".vdb");
+  ASSERT_FALSE(files);
+  const std::string& text = files.error().message;
+  for (const auto& [name, count] :
+       {std::pair("a_####.vdb", 2U), std::pair("b.%d.vdb", 3U), std::pair("c.###.vdb", 2U),
+        std::pair("s.####.vdb", 3U), std::pair("u_<frame>.vdb", 2U)}) {
+    EXPECT_NE(text.find(fmt::format("{} ({} files)", name, count)), std::string::npos) << text;
+    const auto matching = FramePattern::parse(folder / name).value().list(SubFrames::kAllowed);
+    ASSERT_TRUE(matching) << name;
+    EXPECT_EQ(matching->size(), count) << name;
+  }
 }
 
 }  // namespace

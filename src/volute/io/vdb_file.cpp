@@ -15,6 +15,7 @@
 #include "volute/base/checksum.hpp"
 #include "volute/io/nano_grids.hpp"
 #include "volute/io/vdb_grid.hpp"
+#include "volute/io/vdb_identifier.hpp"
 
 namespace volute {
 namespace {
@@ -216,11 +217,8 @@ void VdbFile::readDescription(Entry& entry) {
 }
 
 void overwriteIdentifier(std::ostream& stream, std::uint32_t content, int number) {
-  constexpr std::streamoff kPlace =
-      21;  // after magic number, versions and the flag for grid offsets
-  stream.seekp(kPlace);
-  stream << fmt::format("{:08x}-0000-4000-8000-{:012x}", content,
-                        static_cast<std::uint32_t>(number));
+  stream.seekp(kVdbIdentifierPlace);
+  stream << vdbIdentifier(content, number);
 }
 
 Status VdbOutput::add(std::ostream& stream, KeptBytes& kept, const std::string& target,

@@ -34,7 +34,7 @@ auto guarded(const std::filesystem::path& file, Function&& function) -> decltype
                 "{}: ends before its data do, or points outside itself; the file is damaged",
                 file.string());
   } catch (const openvdb::Exception& error) {
-    return fail(ErrorCode::kInvalidData, "{}: not a whole OpenVDB file: {}", file.string(),
+    return fail(ErrorCode::kTruncated, "{}: not a whole OpenVDB file: {}", file.string(),
                 error.what());
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::kIo, "{}: cannot read: {}", file.string(), error.code().message());

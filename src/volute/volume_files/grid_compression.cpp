@@ -41,6 +41,15 @@ class GridProgress final : public Progress {
   std::string name_;
 };
 
+/// The volume may be a part of the cache's.
+void placeWithin(const Box3& bounds, GridDescription& grid) {
+  for (int axis = 0; axis < 3 && grid.matrices.empty(); ++axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    if (grid.voxelSize[a] > 0)
+      grid.begin[a] = std::llround((bounds.min[axis] - grid.origin[a]) / grid.voxelSize[a] + 0.5);
+  }
+}
+
 /// The grids of one file in the making.
 class GridFiles {
  public:
@@ -179,8 +188,11 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
       one.name = grid.name;
       if (grid.description)
         one.description = grid.description->of(positions_);
-      if (!grid.empty)
-        one.file = files_[i].path();
+      if (grid.empty)
+        continue;
+      one.file = files_[i].path();
+      if (one.description)
+        placeWithin(done_[i].info.bounds, *one.description);
     }
     VOLUTE_ASSIGN(auto file, PendingFile::create(target_));
     FrameMetadata ofFiles = grids_.fileMetadata();
@@ -321,7 +333,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                                             const GridCompression& how, const InputOptions& input,
                                             Reading& reading, Team& team) {
   const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
-  if (input.raw || (one && input.bounds) || !VolumeGrids::mayBe(path)) {
+  if (input.raw || !VolumeGrids::mayBe(path) || (input.bounds && isVolutePath(path))) {
     if (how.rms.empty())
       return std::nullopt;
     return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
@@ -362,13 +374,13 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   }
   const bool frusta =
       std::ranges::any_of(named, [&](std::size_t i) { return all[i].kept == "with a frustum"; });
-  const Hints wayOut =
-      frusta ? Hints{Hint::set("resample").so("makes a volume of a frustum")} : Hints();
+  Hints wayOut = frusta ? Hints{Hint::set("resample").so("makes a volume of a frustum")} : Hints();
   // Who compresses nothing but frusta expects volumes.
   const bool frustaAlone = how.keep.empty() && std::ranges::all_of(named, [&](std::size_t i) {
                              return all[i].kept == "with a frustum";
                            });
   if (chosen.empty() && !named.empty() && (kept.empty() || frustaAlone)) {
+    wayOut.push_back(Hint::set("keep", all[named[0]].name).so("keeps it as it is"));
     asBytes.insert(asBytes.end(), leftOut.begin(), leftOut.end());
     return fail(ErrorCode::kUnsupported, wayOut, "{}: no grid can be compressed: {}", path,
                 fmt::join(asBytes, ", "));
@@ -377,9 +389,9 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                         grids->fileMetadata().lists.empty() &&
                         !wantsDescription(all[chosen[0]], input.bounds.has_value())))
     return std::nullopt;
-  if (input.bounds) {
+  if (input.bounds && chosen.size() + kept.size() > 1) {
     return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
-                   "is for one grid, and {} has {}", path, all.size());
+                   "is for one grid, and {} has {}", path, chosen.size() + kept.size());
   }
   for (const auto& [name, rms] : how.rms) {
     VOLUTE_ASSIGN(const auto found, grids->choose(name, path));

@@ -102,11 +102,34 @@ void remarkOnTimes(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
        {Hint::set("fps").so("takes one rate for both")}});
 }
 
+/// What lies elsewhere is not the same, though all of its values are.
+void remarkOnPlaces(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
+  constexpr double kSame = 1e-3;  // voxels
+  if (a.x != b.x || a.y != b.y || a.z != b.z)
+    return;  // an error
+  const double voxel = std::min(a.voxelSize().minCoeff(), b.voxelSize().minCoeff());
+  const double apart = std::max((a.bounds.min - b.bounds.min).cwiseAbs().maxCoeff(),
+                                (a.bounds.max - b.bounds.max).cwiseAbs().maxCoeff());
+  if (apart <= kSame * voxel)
+    return;
+  const auto words = [](const Box3& box) {
+    return fmt::format("{:.6g}, {:.6g}, {:.6g} to {:.6g}, {:.6g}, {:.6g} m", box.min[0], box.min[1],
+                       box.min[2], box.max[0], box.max[1], box.max[2]);
+  };
+  reading.progress.remark(
+      {RemarkCode::kDoubtful,
+       fmt::format("'{}': the two lie elsewhere, {} and {}: voxels of the same number are compared",
+                   a.name, words(a.bounds), words(b.bounds))});
+}
+
 /// The chosen frames of both.
+/// @param placed  both state where they lie
 Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
-                                      std::unique_ptr<FrameSource> b,
+                                      std::unique_ptr<FrameSource> b, bool placed,
                                       const ComparisonRequest& request, Reading& reading,
                                       std::vector<Image>& errors) {
+  if (placed)
+    remarkOnPlaces(a->info(), b->info(), reading);
   VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
   VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
   remarkOnTimes(a->info(), b->info(), reading);
@@ -169,7 +192,8 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
     return of.description ? of.description->background : std::array<double, 3>{};
   };
   align(sourceA, outside(grid), sourceB, outside(other));
-  auto compared = compareSources(std::move(sourceA), std::move(sourceB), request, reading, errors);
+  auto compared =
+      compareSources(std::move(sourceA), std::move(sourceB), true, request, reading, errors);
   if (!compared)
     return fail(compared.error().code, compared.error().hints, "grid '{}': {}", grid.name,
                 compared.error().message);
@@ -342,8 +366,8 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
     align(first.source, {}, second.source, {});
   VolumeComparison comparison;
   std::vector<Image> errors;
-  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), request,
-                                         reading, errors));
+  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), placed,
+                                         request, reading, errors));
   comparison.grids.push_back(std::move(one));
   if (!errors.empty())
     comparison.errors = std::move(errors[0]);

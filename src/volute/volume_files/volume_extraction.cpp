@@ -9,13 +9,16 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <ranges>
 
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/codec/extract_source.hpp"
 #include "volute/codec/kept_grids.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/output_names.hpp"
+#include "volute/io/vdb_identifier.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/volume_files/fds_input.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -58,8 +61,10 @@ GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extracti
   if (!grid.description)
     return {.type = grid.info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"};
   GridDescription one = grid.description->of(extraction.positions);
-  if (extraction.level == 0)
+  if (extraction.level == 0) {
+    for (std::size_t axis = 0; axis < 3; ++axis) one.begin[axis] += extraction.region.begin[axis];
     return one;
+  }
   one.map.clear();  // voxels of another size: the bounds say where they are
   one.begin = {};
   one.shifts.clear();
@@ -121,9 +126,10 @@ KeptTarget keptTarget(const std::shared_ptr<const VoluteReader>& main, const std
 }
 
 /// Opens the grids called `names`.
-/// @param extraction  `region` is not used: whole grids are taken
+/// @param extraction  `region` is of one grid; else whole grids are taken
 Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std::string>& wanted,
-                                 const Extraction& extraction, bool partial, Reading& reading) {
+                                 const Extraction& extraction, bool isPart, bool partial,
+                                 Reading& reading) {
   ExtractedGrids all;
   all.positions = extraction.positions;
   VOLUTE_ASSIGN(const auto main, openVolute(path, partial, reading, false));
@@ -144,7 +150,20 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
     const auto grid = std::ranges::find_if(
         main->grids(), [&](const VoluteGrid& one) { return one.info.name == name; });
     GridTarget& target = all.targets.emplace_back();
-    target.description = descriptionOf(*grid, extraction);
+    Extraction own = extraction;
+    if (!isPart)
+      own.region = {{0, 0, 0}, {grid->info.x, grid->info.y, grid->info.z}};
+    target.description = descriptionOf(*grid, own);
+    if (grid->info.channels == 3 && extraction.level > 0 &&
+        target.description.gridClass == kStaggered) {
+      reading.progress.remark(
+          Remark(RemarkCode::kDoubtful,
+                 fmt::format("{}: '{}' is staggered: means of its faces lie half a voxel of the "
+                             "full resolution beyond those of the level; resampled ones lie on "
+                             "them",
+                             path, name))
+              .in(path));
+    }
     if (grid->empty) {
       target.info = framesAt(grid->info, extraction.positions);
       all.sources.push_back(nullptr);
@@ -156,8 +175,6 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
     target.offset = reader->offset();
     if (target.offset != 0)
       target.description.type = grid->info.channels == 3 ? "vec3d" : "double";
-    Extraction own = extraction;
-    own.region = {{0, 0, 0}, {grid->info.x, grid->info.y, grid->info.z}};
     own.bricks = true;
     own.maxMemory =
         static_cast<std::uint64_t>(static_cast<double>(extraction.maxMemory) *
@@ -341,6 +358,26 @@ Status checkBricks(std::span<const std::shared_ptr<const VoluteReader>> readers,
               (needed >> 20) + 1, maxMemory >> 20);
 }
 
+/// What a volume says that files of other formats have no place for.
+void remarkOnWhatIsLost(const VolumeInfo& info, const std::string& target, Reading& reading) {
+  if (isVdbPath(target) || target == "-")
+    return;
+  std::string lost;
+  if (info.up != 0)
+    lost = fmt::format("that {} points upwards", info.up);
+  const bool oneFile = !namesSeries(target) && extensionOf(target) != ".pvd";
+  const bool counted = std::ranges::equal(info.frameNumbers, std::views::iota(0, info.frames)) &&
+                       info.frameScale.decimals == 0;
+  if (oneFile && !counted && info.frames > 1)
+    lost +=
+        fmt::format("{}that its frames are {} to {}", lost.empty() ? "" : ", or ",
+                    info.frameText(0), info.frameText(static_cast<std::size_t>(info.frames) - 1));
+  if (!lost.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut, fmt::format("{}: such a file does not say {}", target, lost))
+            .in(target));
+}
+
 Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto reader,
                 openVolute(path_, request_.partial, reading_, true, grid, request_.level == 0));
@@ -376,6 +413,7 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   VolumeInfo info = source->info();
   info.times = framesAt(reader->info(), positions, request_.framesPerSecond).times;
+  remarkOnWhatIsLost(info, target, reading_);
   const auto open = [&] { return createSink(target, info, {.offset = reader->offset()}); };
   if (team_.size() == 1) {
     VOLUTE_ASSIGN(const auto sink, open());
@@ -402,7 +440,8 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
 Status Extractor::cache(const std::vector<std::string>& names, const std::string& target,
                         const VolumeInfo& frames) {
   VOLUTE_ASSIGN(const auto extraction, extractionOf(frames));
-  VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.partial, reading_));
+  VOLUTE_ASSIGN(auto grids, openGrids(path_, names, extraction, request_.region.has_value(),
+                                      request_.partial, reading_));
   if (extraction.level == 0)
     VOLUTE_TRY(checkBricks(grids.readers, grids.positions, path_, reading_.maxMemory));
   const VolumeInfo numbers = framesAt(frames, grids.positions, request_.framesPerSecond);
@@ -482,6 +521,36 @@ Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
   return extracted_(report);
 }
 
+/// Who extracts into the folder of a cache loses it.
+void remarkOnReplaced(const std::string& path, const std::string& target, Reading& reading) {
+  if (!isVdbPath(target))
+    return;
+  std::vector<std::filesystem::path> there;
+  if (namesSeries(target)) {
+    if (const auto pattern = FramePattern::parse(target)) {
+      const auto files = pattern->list(SubFrames::kAllowed);
+      for (std::size_t i = 0; files && i < files->size(); ++i) there.push_back((*files)[i].path);
+    }
+  } else {
+    there.emplace_back(target);
+  }
+  std::erase_if(there, [](const std::filesystem::path& file) {
+    std::error_code none;
+    return !std::filesystem::is_regular_file(file, none) || hasOwnIdentifier(file);
+  });
+  if (there.empty())
+    return;
+  const std::string first = there.front().string();
+  const std::string all = there.size() == 1
+                              ? first + " was not written by Volute and is"
+                              : fmt::format("{} and {} more were not written by Volute and are",
+                                            first, there.size() - 1);
+  reading.progress.remark(
+      Remark(RemarkCode::kDoubtful,
+             fmt::format("{} replaced: is that what {} was made of?", all, path))
+          .in(first));
+}
+
 /// The names of the outputs of all meshes are checked first.
 Status checkMeshNames(const std::string& target, const ExtractionRequest& request, int meshes) {
   OutputNames outputs;
@@ -520,6 +589,8 @@ Status extractVolute(const std::string& path, const std::string& target,
   std::vector<std::string> names;
   for (const std::size_t i : chosen) names.push_back(grids->grids()[i].name);
   const bool each = namesEachGrid(target);
+  if (team.leads() && !each)
+    remarkOnReplaced(path, target, reading);
   const bool described = main->grids().size() != 1 || main->grids()[0].description.has_value() ||
                          !main->kept().grids.empty();
   // Only .vdb files take what is no volume.
@@ -552,7 +623,7 @@ Status extractVolute(const std::string& path, const std::string& target,
   const auto turned = [](const VolumeGrid& grid) {
     return grid.description && !grid.description->matrices.empty();
   };
-  const bool asCache = isVdbPath(target) && !request.region && (names.size() > 1 || described) &&
+  const bool asCache = isVdbPath(target) && (names.size() > 1 || described) &&
                        !(request.level > 0 && std::ranges::any_of(chosen, [&](std::size_t i) {
                            return turned(grids->grids()[i]);
                          }));

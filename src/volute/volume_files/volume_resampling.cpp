@@ -141,6 +141,19 @@ GridDescription describe(const OldGrid& old, const Lattice& lattice) {
   return made;
 }
 
+/// Whether voxels of all frames lie along the same axes as those of the lattice, in their order.
+bool isAlong(const OldGrid& old, const Lattice& lattice) {
+  const VolumeInfo& info = old.source->info();
+  for (std::size_t frame = 0; frame < std::max<std::size_t>(1, old.places.size()); ++frame) {
+    const AffineLattices map(indexToWorld(info, old.places, frame), lattice.indexToWorld);
+    const Vec3 along = map.linear().diagonal();
+    const Mat3 rest = map.linear() - Mat3(along.asDiagonal());
+    if (!(along.minCoeff() > 0) || rest.cwiseAbs().maxCoeff() > 1e-9 * along.maxCoeff())
+      return false;
+  }
+  return true;
+}
+
 /// Of vectors along the grid's own axes, in each frame; of others nothing.
 std::vector<Mat3> turnsOf(const OldGrid& old, const Lattice& lattice) {
   std::vector<Mat3> turns;
@@ -262,8 +275,22 @@ Status Resampler::add(OldGrid old) {
       log->add(info.frameText(static_cast<std::size_t>(frame)), cut);
     };
   }
+  auto components = Components::kAtCentres;
+  if (old.source->info().channels == 3 && written.description->gridClass == kStaggered) {
+    components = Components::kAtFaces;
+    if (!isAlong(old, lattice)) {
+      components = Components::kFacesToCentres;
+      written.description->gridClass.clear();
+      reading_.progress.remark(
+          Remark(RemarkCode::kChanged,
+                 fmt::format("{}: '{}' is staggered, and the faces of the new voxels lie across "
+                             "others: its components are now at their centres",
+                             path_, old.source->info().name))
+              .in(path_));
+    }
+  }
   auto source = resampleTo(std::move(old.source), std::move(old.places), lattice, request_.basis,
-                           reading_.maxMemory, std::move(turns), std::move(onCut));
+                           reading_.maxMemory, std::move(turns), std::move(onCut), components);
   const VolumeInfo& info = source->info();
   const bool sparse = isVolutePath(target_) || isVdbPath(target_);
   if (const std::uint64_t bytes = 4 * std::uint64_t{info.frameValues()};

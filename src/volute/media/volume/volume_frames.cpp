@@ -998,8 +998,14 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::sliceAt(double moment) {
 
 int VolumeMedium::positionAt(double time) const {
   constexpr double kTimeRounding = 1e-12;  // timeOf() a frame is within it
+  constexpr double kWritten = 1e-4;        // of an interval: people write six digits of 1 / 24 s
   const double own = appearance_.clock.at(time, volume_.times);
-  return volume_.frameAt(own + kTimeRounding * (1 + std::abs(own)));
+  const int position = volume_.frameAt(own + kTimeRounding * (1 + std::abs(own)));
+  if (position + 1 >= volume_.frames)
+    return position;
+  const double before = volume_.times[static_cast<std::size_t>(position)];
+  const double after = volume_.times[static_cast<std::size_t>(position) + 1];
+  return after - own <= kWritten * (after - before) ? position + 1 : position;
 }
 
 double VolumeMedium::momentAt(double time) const {

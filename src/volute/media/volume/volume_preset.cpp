@@ -256,8 +256,33 @@ class Grids {
 struct Choice {
   VolumePreset preset = VolumePreset::kNone;
   std::string density, flame, heat;
+  std::string unusable;  // the grid whose name or class says what it is, and why it cannot be that
   LookFigures densityRange, flameRange, heatRange;
 };
+
+/// By names. A grid that somebody states is the one that is shown.
+Choice namedChoice(VolumePreset wanted, const Grids& grids) {
+  Choice choice;
+  choice.density = grids.find(kDensityNames);
+  choice.flame = grids.find(kFlameNames);
+  choice.heat = grids.find(kHeatNames);
+  if (!grids.stated() || wanted == VolumePreset::kFireAndSmoke)
+    return choice;
+  const std::string shown = grids.mainName();
+  const auto isAmong = [&](Names names) { return !nameAmong({shown}, names).empty(); };
+  if (isAmong(kDensityNames) || wanted == VolumePreset::kSmoke) {
+    choice.density = shown;
+  } else if (isAmong(kHeatNames) && !isAmong(kFlameNames)) {
+    choice.heat = shown, choice.density.clear(), choice.flame.clear();
+  } else {
+    const bool burns = isAmong(kFlameNames) || wanted == VolumePreset::kFire;
+    choice.flame = burns ? shown : "";
+    choice.density.clear();
+    if (!burns)
+      choice.heat.clear();
+  }
+  return choice;
+}
 
 Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path) {
   const bool automatic = wanted == VolumePreset::kAuto;
@@ -273,9 +298,7 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
     }
     choice.density = grids.mainName();
   } else if (grids.named()) {
-    choice.density = grids.find(kDensityNames);
-    choice.flame = grids.find(kFlameNames);
-    choice.heat = grids.find(kHeatNames);
+    choice = namedChoice(wanted, grids);
   } else {
     const std::string file = lowerCase(std::filesystem::path(path).stem().string());
     const bool fire = wanted == VolumePreset::kFire || (automatic && holdsWord(file, kFireWords));
@@ -300,8 +323,14 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
       continue;
     VOLUTE_ASSIGN(*range, grids.range(*name));
     // What is below zero as far as above it is no amount of anything, whatever its name.
-    if (!range->any() || range->least < -0.5 * range->most)
-      name->clear();
+    if (range->any() && !(range->least < -0.5 * range->most))
+      continue;
+    choice.unusable = range->any() ? fmt::format(
+                                         "its values, {:.3g} to {:.3g}, are no amount of "
+                                         "smoke or fire",
+                                         range->least, range->most)
+                                   : std::string("none of its values is above 0");
+    name->clear();
   }
   const bool kelvins = choice.heatRange.most >= kKelvins;
   const bool burns = !choice.flame.empty() || (!choice.heat.empty() && kelvins);
@@ -397,9 +426,10 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     if (called || isVdbPath(path) || (grids.named() && !shown.empty())) {
       std::string text = fmt::format("{}: '{}' is shown as light", path, shown);
       text +=
-          grey ? ": neither its name nor its class says that it is smoke or fire"
+          grey && !choice.unusable.empty() ? ": " + choice.unusable
+          : grey ? std::string(": neither its name nor its class says that it is smoke or fire")
           : called
-              ? ", its values as red, green and blue, although its name says smoke"
+              ? std::string(", its values as red, green and blue, although its name says smoke")
               : ", its values as red, green and blue, none where they are below 0: its name does "
                 "not say what they are";
       Hints hints;
@@ -421,10 +451,11 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     appearance.asymmetry = kSmokeAsymmetry;
     appearance.colors = grids.findColors();
     text = fmt::format(
-        "smoke from {}'{}' (0 to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry "
+        "smoke from {}'{}' ({:.3g} to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry "
         "{:g}",
         grids.info().channels == 3 ? "the mean of the three channels of " : "", choice.density,
-        choice.densityRange.most, appearance.extinction, kSmokeAlbedo, kSmokeAsymmetry);
+        std::min(0.0, choice.densityRange.least), choice.densityRange.most, appearance.extinction,
+        kSmokeAlbedo, kSmokeAsymmetry);
   }
   if (burns) {
     Flames flames;

@@ -401,8 +401,9 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
   if (const auto bytes = bytesOnDisk(path))
     report.add("bytes", *bytes, bytesText(*bytes));
   // Of several grids none may be the usual one, or that one is empty; the list says what there is.
+  const bool damaged = !opened && opened.error().code == ErrorCode::kTruncated;
   const bool listed = !opened && vdb && options.grid.empty() &&
-                      (opened.error().code == ErrorCode::kInvalidArgument ||
+                      (damaged || opened.error().code == ErrorCode::kInvalidArgument ||
                        opened.error().code == ErrorCode::kInvalidData ||
                        opened.error().code == ErrorCode::kUnsupported);
   if (listed) {
@@ -415,9 +416,10 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
     if (addGrids(report, *vdb, reading)) {
       // All but that a grid has to be chosen is what other commands end with.
       if (opened.error().code != ErrorCode::kInvalidArgument)
-        reading.progress.remark(
-            Remark(RemarkCode::kNote, opened.error().message, opened.error().hints).in(path));
-      return FileDescription{std::move(report)};
+        reading.progress.remark(Remark(damaged ? RemarkCode::kDamaged : RemarkCode::kNote,
+                                       opened.error().message, opened.error().hints)
+                                    .in(path));
+      return FileDescription{std::move(report), damaged};
     }
   }
   if (!opened)
