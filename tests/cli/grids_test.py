@@ -287,7 +287,9 @@ class Extremes(support.TestCase):
     def test_inactive_voxels_that_are_no_numbers(self):
         file, packed = self.made / "hidden.vdb", self.path("x.volute")
         self.assertEqual(self.works("info", file, "--json").json["grids"][0]["active_voxels"], 512)
-        self.works("compress", file, "-o", packed)
+        self.assertIn("3 inactive voxels are not kept", self.works("compress", file, "-o", packed).message)
+        self.assertIn("--keep density", self.fails(1, "compress", file, "-o", self.path("y.volute"), "--strict"))
+        self.works("compress", self.made / "background_0001.vdb", "-o", self.path("y.volute"), "--strict")
         self.works("extract", packed, "-o", self.path("x_%04d.vdb"))
         self.assertEqual(self.works("compare", file, self.path("x_0000.vdb"), "--json").json["outside_error"], 0)
         # A background that is no number counts as 0.

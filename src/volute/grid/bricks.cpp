@@ -27,7 +27,7 @@ bool before(const VoxelIndex& a, const VoxelIndex& b) {
 
 /// What a message begins with; tiles, leaves and values follow.
 struct MessageHead {
-  std::uint64_t leaves = 0, tiles = 0;
+  std::uint64_t leaves = 0, tiles = 0, leftOut = 0;
   std::array<float, 3> background{};
   std::int32_t channels = 1;
 };
@@ -307,7 +307,7 @@ std::size_t Bricks::messageBytes() const {
 
 void Bricks::toMessage(std::span<std::byte> message) const {
   VOLUTE_ASSERT(message.size() >= messageBytes());
-  const MessageHead head{leaves_.size(), tiles_.size(), background_, channels_};
+  const MessageHead head{leaves_.size(), tiles_.size(), leftOut_, background_, channels_};
   std::byte* to = put(message.data(), &head, 1);
   to = put(to, tiles_.data(), tiles_.size());
   to = put(to, leaves_.data(), leaves_.size());
@@ -339,6 +339,7 @@ Result<Bricks> Bricks::fromMessage(std::span<const std::byte> message) {
       !std::ranges::all_of(head.background, [](float value) { return std::isfinite(value); }))
     return malformed("its channels or its background");
   Bricks all(head.channels, head.background);
+  all.leftOut_ = head.leftOut;
   const std::size_t leafBytes = sizeof(Leaf) + all.leafValues() * sizeof(float);
   if (head.tiles > message.size() / sizeof(Tile) || head.leaves > message.size() / leafBytes ||
       head.tiles * sizeof(Tile) + head.leaves * leafBytes > message.size())

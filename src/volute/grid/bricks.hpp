@@ -115,6 +115,12 @@ class Bricks {
   /// and tiles of different lattices. After sort().
   void fillUnderTiles();
 
+  /// How many inactive voxels hold something in the file that the frame was read from, and are not
+  /// here: they lie beyond all active ones, or are no numbers. 0 where that was not counted.
+  std::uint64_t leftOut() const { return leftOut_; }
+
+  void setLeftOut(std::uint64_t voxels) { leftOut_ = voxels; }
+
   /// Active voxels, those of tiles too.
   std::uint64_t activeVoxels() const;
 
@@ -148,6 +154,7 @@ class Bricks {
   std::vector<Leaf> leaves_;
   std::vector<Tile> tiles_;
   std::vector<float> values_;
+  std::uint64_t leftOut_ = 0;
 };
 
 }  // namespace volute

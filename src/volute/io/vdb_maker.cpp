@@ -242,6 +242,7 @@ void makeExtremes(const std::filesystem::path& folder) {
   const auto hidden = block(Coord(0));
   hidden->tree().setValueOff(Coord(9, 0, 0), std::numeric_limits<float>::quiet_NaN());
   hidden->tree().setValueOff(Coord(10, 0, 0), std::numeric_limits<float>::infinity());
+  hidden->tree().setValueOff(Coord(40, 0, 0), 7.f);
   write("hidden", hidden);
   const auto unset = FloatGrid::create(std::numeric_limits<float>::quiet_NaN());
   unset->tree().setValue(Coord(0), 1.f);

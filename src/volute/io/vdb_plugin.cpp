@@ -80,12 +80,16 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     return std::ranges::all_of(colour, [](float value) { return std::isfinite(value); });
   };
   Colour background = colourOf(grid.background());
+  const bool sound = finite(background);
   for (float& value : background)
     value = std::isfinite(value) ? value : static_cast<float>(0 - offset);
   Bricks all(Traits::kCount, background);
   const auto holds = [&](const Colour& colour, bool active) {
     return active || (finite(colour) && colour != background);
   };
+  // Of inactive voxels that are no numbers, beside a background that is one.
+  const auto counts = [&](const Colour& colour) { return sound && colour != background; };
+  std::uint64_t leftOut = 0;
   const auto originOf = [](const openvdb::Coord& at) -> VoxelIndex {
     return {at.x(), at.y(), at.z()};
   };
@@ -95,7 +99,10 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     const Colour colour = colourOf(*tile);
     openvdb::CoordBBox part;
     tile.getBoundingBox(part);
-    if (!holds(colour, tile.isValueOn()) || !part.hasOverlap(box))
+    const bool held = holds(colour, tile.isValueOn());
+    if (held ? !part.hasOverlap(box) : counts(colour))
+      leftOut += part.volume();
+    if (!held || !part.hasOverlap(box))
       continue;
     rounding = std::max(rounding, Traits::rounding(*tile, colour.data(), offset));
     all.addTile({originOf(part.min()), part.max().x() - std::int64_t{part.min().x()} + 1,
@@ -103,9 +110,9 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
   }
   all.reserve(grid.tree().leafCount(), all.tiles().size());
   for (auto it = grid.tree().cbeginLeaf(); it; ++it) {
-    if (!it->getNodeBoundingBox().hasOverlap(box) ||
-        (&grid != &topology && topology.tree().probeConstLeaf(it->origin()) == nullptr))
+    if (&grid != &topology && topology.tree().probeConstLeaf(it->origin()) == nullptr)
       continue;
+    const bool inside = it->getNodeBoundingBox().hasOverlap(box);
     const auto& mask = it->getValueMask();
     const auto* values = it->buffer().data();
     Bricks::Leaf leaf{originOf(it->origin())};
@@ -117,11 +124,14 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     std::uint64_t any = 0;
     visit([&](openvdb::Index n, std::size_t z, openvdb::Index bit) {
       const bool active = mask.isOn(n);
+      const Colour colour = colourOf(values[n]);
+      const bool held = holds(colour, active);
+      leftOut += held ? !inside : counts(colour);
       leaf.active[z] |= static_cast<std::uint64_t>(active) << bit;
-      leaf.valued[z] |= static_cast<std::uint64_t>(holds(colourOf(values[n]), active)) << bit;
+      leaf.valued[z] |= static_cast<std::uint64_t>(held) << bit;
       any |= leaf.valued[z];
     });
-    if (any == 0)
+    if (any == 0 || !inside)
       continue;
     const std::span<float> to = all.addLeaf(leaf);
     visit([&](openvdb::Index n, std::size_t z, openvdb::Index bit) {
@@ -133,6 +143,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     });
   }
   all.sort();
+  all.setLeftOut(leftOut);
   return all;
 }
 
@@ -441,6 +452,8 @@ class VdbReader final : public LatticeReader {
       auto bricks = bricksOfGrid(*grid, *topology, part, offset_, rounding);
       if (!bricks)
         return changedType(path, wanted);
+      if (crop || !all)
+        bricks->setLeftOut(0);  // on purpose, or in another part
       return *std::move(bricks);
     });
   }

@@ -81,6 +81,7 @@ class FiniteSource final : public WrappedSource {
         tile.value[c] = isFinite(tile.value[c]) ? tile.value[c] : bricks.background()[c];
       finite.addTile(tile);
     }
+    finite.setLeftOut(bricks.leftOut());
     bricks = std::move(finite);
     return {};
   }

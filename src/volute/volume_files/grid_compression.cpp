@@ -10,10 +10,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "volute/base/output_file.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/grid/bricks.hpp"
+#include "volute/grid/wrapped_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/volume_files/compression_report.hpp"
 #include "volute/volume_files/finite_source.hpp"
@@ -39,6 +41,33 @@ class GridProgress final : public Progress {
  private:
   Progress& next_;
   std::string name_;
+};
+
+/// Tells once what its frames lost when they were read.
+class ToldSource final : public WrappedSource {
+ public:
+  ToldSource(std::unique_ptr<FrameSource> source, std::string path, Progress& log)
+      : WrappedSource(std::move(source)), path_(std::move(path)), log_(log) {}
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
+    if (bricks.leftOut() > 0 && !std::exchange(told_, true)) {
+      log_.remark(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: '{}', frame {}: {} inactive voxels are not kept, as they lie "
+                             "beyond all active ones or are no numbers: they become background",
+                             path_, info().name, info().frameText(static_cast<std::size_t>(index)),
+                             bricks.leftOut()),
+                 {Hint::set("keep", info().name).so("keeps the grid as it is")})
+              .in(path_));
+    }
+    return {};
+  }
+
+ private:
+  std::string path_;
+  Progress& log_;
+  bool told_ = false;
 };
 
 /// The volume may be a part of the cache's.
@@ -107,6 +136,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
   source = asFinite(std::move(source), how_.notFinite, target_);
+  source = std::make_unique<ToldSource>(std::move(source), target_, reading_.progress);
   source = asStated(std::move(source), how_.stated);
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   CompressOptions options = how_.options;
@@ -506,6 +536,7 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   remarkOnTimes(path, volume.source->info(), reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
+  volume.source = std::make_unique<ToldSource>(std::move(volume.source), path, reading.progress);
   VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
   VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
   remarkOnSize(target, how.options.target, result.rawBytes, result.fileBytes, result.support.rms,
