@@ -54,7 +54,7 @@ GlCase stillCase(std::string name, int width, int height,
 /// Ahrenberg et al. 2005, Figure 8: fire and smoke over the tree's bits a voxel, the tree walked in
 /// place without bounding boxes, with them, and with empty bricks stepped over too, and the bricks
 /// that are not empty drawn from a texture; and 64^3 voxels at 1920 x 1080. The CPU draws
-/// from the tree by extracting the instant's bricks in each frame.
+/// from the tree by extracting the snapshot's bricks in each frame.
 [[nodiscard]] Status addTrees(const BenchInput& input, Progress& progress,
                               std::vector<GlCase>& cases);
 

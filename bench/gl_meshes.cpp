@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kMotionFrames = 4;
 
-/// Some instants of smoke, and what the CPU draws of them.
+/// Some snapshots of smoke, and what the CPU draws of them.
 struct AnimatedSmoke {
   std::shared_ptr<const TetLocator> locator;
   std::vector<std::vector<float>> extinctions;  // of each time

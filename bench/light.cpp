@@ -183,7 +183,8 @@ class BruteForce {
   /// @param glows  media that send light themselves, out of view
   /// @param shades  media that take their part of the sky's light
   /// @param steps  of each ray, through all media
-  BruteForce(const Snapshot& snapshot, std::vector<bool> glows, std::vector<bool> shades, int steps)
+  BruteForce(const SceneSnapshot& snapshot, std::vector<bool> glows, std::vector<bool> shades,
+             int steps)
       : snapshot_(snapshot), glows_(std::move(glows)), shades_(std::move(shades)), steps_(steps) {
     for (std::size_t i = 0; i < snapshot.media.size(); ++i) {
       std::vector<AnyMedium> parts;
@@ -315,7 +316,7 @@ class BruteForce {
     return light;
   }
 
-  const Snapshot& snapshot_;
+  const SceneSnapshot& snapshot_;
   std::vector<bool> glows_, shades_;
   std::vector<AnyMedium> media_;
   std::vector<std::size_t> of_;  ///< the scene's medium that it is of

@@ -16,7 +16,7 @@
 
 namespace volute::bench {
 
-/// Smoke at a few instants on one mesh.
+/// Smoke at a few times on one mesh.
 struct SmokeCase {
   std::string name;
   std::shared_ptr<const TetMesh> mesh;
@@ -26,7 +26,7 @@ struct SmokeCase {
 /// A hall of cells that are `cell` metres wide, which a plume fills.
 SmokeCase madeSmokeCase(std::string name, double cell);
 
-/// The last instants of a case that have the same mesh as the last; of a single one, shares of it.
+/// The last snapshots of a case that have the same mesh as the last; of a single one, shares of it.
 /// Its field is taken as g/m3 of soot.
 [[nodiscard]] Result<SmokeCase> readSmokeCase(const BenchInput& input);
 

@@ -52,9 +52,9 @@ struct Ball {
 };
 
 /// The ball at one time.
-class BallAt final : public MediumAt {
+class BallSnapshot final : public MediumSnapshot {
  public:
-  explicit BallAt(const Ball& ball) : ball_(ball) {}
+  explicit BallSnapshot(const Ball& ball) : ball_(ball) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override { media.emplace_back(ball_); }
 
@@ -76,10 +76,11 @@ class BallInTime final : public SceneMedium {
     info_.bounds = info_.fileBounds = ballAt(2).bounds();
   }
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request, Progress&) override {
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress&) override {
     Ball ball = ballAt(request.time);
     ball.sigma *= request.factor;  // of the visibility law of the scene
-    return std::make_shared<const BallAt>(ball);
+    return std::make_shared<const BallSnapshot>(ball);
   }
 
  private:

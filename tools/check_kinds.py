@@ -9,7 +9,7 @@ import re
 import sys
 
 GENERIC = ("scene/*", "media/*", "render/*", "gl/gl_renderer.*", "gl/gl_march.*", "gl/gl_part*", "gl/gl_snapshot.*",
-           "gl/gl_scene_renderer.*", "gl/scene_shader.*", "viewer/scene_document.*", "viewer/scene_snapshot.*", "viewer/view_picture.*",
+           "gl/gl_scene_renderer.*", "gl/scene_shader.*", "viewer/scene_document.*", "viewer/document_snapshot.*", "viewer/view_picture.*",
            "viewer/exact_surfaces.*", "viewer/loader.*", "film/*")
 # What is a name of the file format or of the papers, not of a kind: what --stats and pictures' notes call it.
 ALLOWED = re.compile(r'Sun|parseSun|FogCanvas|saveFogMap|setFogMap|GlSmokeMethod|gl_smoke(_method)?\.hpp|smokeMethod|'

@@ -44,7 +44,7 @@
 #include "volute/scene/scene.hpp"
 #include "volute/scene/scene_renderer.hpp"
 #include "volute/scene/scene_sight.hpp"
-#include "volute/scene/snapshot.hpp"
+#include "volute/scene/scene_snapshot.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
 
 // From where signs are seen, and what people take in; fire from pictures, smoke from lines; made-up

@@ -12,9 +12,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-class PuffAt final : public MediumAt {
+class PuffSnapshot final : public MediumSnapshot {
  public:
-  explicit PuffAt(const Puff& puff) : puff_(puff) {}
+  explicit PuffSnapshot(const Puff& puff) : puff_(puff) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override { media.emplace_back(puff_); }
 
@@ -35,10 +35,11 @@ class PuffInTime final : public SceneMedium {
     info_.bounds = info_.fileBounds = at(2).bounds();
   }
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request, Progress&) override {
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress&) override {
     Puff now = at(request.time);
     now.density *= request.factor;
-    return std::make_shared<const PuffAt>(now);
+    return std::make_shared<const PuffSnapshot>(now);
   }
 
  private:

@@ -119,8 +119,8 @@ Camera FilmJob::cameraAt(const FilmFrame& frame) const {
   return now.turned(orbitCentre, up, frame.turn * orbit);
 }
 
-Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera, Progress& progress,
-                                 PictureCounts& counts) {
+Result<Image> FilmJob::pictureOf(const SceneSnapshot& snapshot, const Camera& camera,
+                                 Progress& progress, PictureCounts& counts) {
   if (contour) {
     VOLUTE_TRY(cpuMayDraw("a slice or an isosurface"));
     return lookAtContour(camera, snapshot.media, *contour);
@@ -143,7 +143,7 @@ Result<Image> FilmJob::pictureOf(const Snapshot& snapshot, const Camera& camera,
   return drawn();
 }
 
-Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int rays,
+Result<Image> FilmJob::draw(const SceneSnapshot& snapshot, const Camera& camera, int rays,
                             Progress& progress, PictureCounts& counts) {
   const bool alpha = options.aov == Aov::kAlpha;
   return rays > 1 && (alpha || options.aov == Aov::kNone)
@@ -152,7 +152,7 @@ Result<Image> FilmJob::draw(const Snapshot& snapshot, const Camera& camera, int 
              : renderer->render(snapshot, camera, options, progress, &counts);
 }
 
-Result<Image> FilmJob::drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
+Result<Image> FilmJob::drawUntilStopped(const SceneSnapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts) {
   constexpr int kCoarse = 8;           // pixels a side that one of the coarse picture stands for
   constexpr double kTile = 128 * 128;  // pixels, about
@@ -235,7 +235,7 @@ Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
   }
 }
 
-Result<Snapshot> FilmJob::snapshotAt(const FilmFrame& frame, Progress& progress) {
+Result<SceneSnapshot> FilmJob::snapshotAt(const FilmFrame& frame, Progress& progress) {
   const Stopwatch watch(totals.snapshots);
   VOLUTE_ASSIGN(auto snapshot, scene.at({.time = frame.time,
                                          .lit = options.aov == Aov::kNone && !contour,
@@ -247,11 +247,12 @@ Result<Snapshot> FilmJob::snapshotAt(const FilmFrame& frame, Progress& progress)
 }
 
 Result<Image> FilmJob::pictureAt(const FilmFrame& frame, Progress& progress) {
-  VOLUTE_ASSIGN(const Snapshot snapshot, snapshotAt(frame, progress));
+  VOLUTE_ASSIGN(const SceneSnapshot snapshot, snapshotAt(frame, progress));
   return drawn(snapshot, frame, progress);
 }
 
-Result<Image> FilmJob::drawn(const Snapshot& snapshot, const FilmFrame& frame, Progress& progress) {
+Result<Image> FilmJob::drawn(const SceneSnapshot& snapshot, const FilmFrame& frame,
+                             Progress& progress) {
   PictureCounts counts;
   Result<Image> image = [&] {
     const Stopwatch watch(totals.render);

@@ -29,7 +29,7 @@ struct FilmTotals {
   double wall = 0, cpu = 0;       ///< of all pictures, from the first to the last
   int pictures = 0;
   PictureCounts counts;
-  nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumAt::counts()
+  nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumSnapshot::counts()
   int shutterInstants = 0;  ///< of the picture that took the most
   double shutterError = 0;  ///< the largest of all pictures, in shares of its brightest value
 };
@@ -46,7 +46,7 @@ struct FilmJob {
   double framesPerSecond = kUsualRate;  ///< of a film
   FrameScale frameScale{};              ///< of the frames' numbers
   std::optional<Contour> contour{};     ///< drawn instead of the media
-  bool tree = false;                    ///< InstantRequest::tree
+  bool tree = false;                    ///< SnapshotRequest::tree
   bool legend = false;                  ///< drawn into visible pictures
   bool together = false;  ///< ranks draw each picture together: they hold shares of a medium
   bool measured = true;   ///< light as it is: no tone curve, no smoothed edges
@@ -77,8 +77,8 @@ struct FilmJob {
 
   /// The two halves of picture() without a shutter: what is at a frame's time, and how it looks.
   /// The second does not use the scene.
-  [[nodiscard]] Result<Snapshot> snapshotAt(const FilmFrame& frame, Progress& progress);
-  [[nodiscard]] Result<Image> drawn(const Snapshot& snapshot, const FilmFrame& frame,
+  [[nodiscard]] Result<SceneSnapshot> snapshotAt(const FilmFrame& frame, Progress& progress);
+  [[nodiscard]] Result<Image> drawn(const SceneSnapshot& snapshot, const FilmFrame& frame,
                                     Progress& progress);
 
   /// What the picture of a frame says about itself; the legend only where it is asked for.
@@ -92,12 +92,12 @@ struct FilmJob {
 
  private:
   [[nodiscard]] Result<Image> pictureAt(const FilmFrame& frame, Progress& progress);
-  [[nodiscard]] Result<Image> pictureOf(const Snapshot& snapshot, const Camera& camera,
+  [[nodiscard]] Result<Image> pictureOf(const SceneSnapshot& snapshot, const Camera& camera,
                                         Progress& progress, PictureCounts& counts);
-  [[nodiscard]] Result<Image> draw(const Snapshot& snapshot, const Camera& camera, int rays,
+  [[nodiscard]] Result<Image> draw(const SceneSnapshot& snapshot, const Camera& camera, int rays,
                                    Progress& progress, PictureCounts& counts);
   /// In tiles over a coarse picture; sets drawnShare.
-  [[nodiscard]] Result<Image> drawUntilStopped(const Snapshot& snapshot, const Camera& camera,
+  [[nodiscard]] Result<Image> drawUntilStopped(const SceneSnapshot& snapshot, const Camera& camera,
                                                Progress& progress, PictureCounts& counts);
 };
 

@@ -40,7 +40,7 @@ struct RenderRequest {
 struct RenderUse {
   bool measured = false;
   bool depth = false;  ///< for its optical depth
-  bool tree = false;   ///< InstantRequest::tree
+  bool tree = false;   ///< SnapshotRequest::tree
   bool moves = false;  ///< what is between its frames is shown, as through a shutter
 };
 

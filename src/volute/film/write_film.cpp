@@ -245,7 +245,7 @@ class FilmPass {
   }
 
   /// What is at a frame's time; the next one is read meanwhile.
-  Result<Snapshot> snapshotOf(std::int64_t i) {
+  Result<SceneSnapshot> snapshotOf(std::int64_t i) {
     VOLUTE_TRY(reading_.finish());
     if (ahead_ != i)
       return job_.snapshotAt(frame(i), each());
@@ -253,7 +253,7 @@ class FilmPass {
     return std::move(next_);
   }
 
-  Status readAhead(std::int64_t i, const Snapshot& now) {
+  Status readAhead(std::int64_t i, const SceneSnapshot& now) {
     constexpr std::uint64_t kShare = 4;  // of the memory, for what is read ahead
     std::uint64_t bytes = 0;
     for (const auto& medium : now.media) bytes += medium->memoryBytes();
@@ -267,7 +267,7 @@ class FilmPass {
   }
 
   Status takeInStages(std::int64_t i) {
-    VOLUTE_ASSIGN(const Snapshot snapshot, snapshotOf(i));
+    VOLUTE_ASSIGN(const SceneSnapshot snapshot, snapshotOf(i));
     auto text = job_.textOf(frame(i));  // while the scene is at that time
     VOLUTE_TRY(readAhead(i + 1, snapshot));
     VOLUTE_ASSIGN(auto image, job_.drawn(snapshot, frame(i), each()));
@@ -369,7 +369,7 @@ class FilmPass {
   std::unique_ptr<PictureWriter> writer_;
   Clock::time_point begun_ = Clock::now();
   bool said_ = false;
-  Result<Snapshot> next_;           ///< of frame ahead_, once reading_ has finished
+  Result<SceneSnapshot> next_;      ///< of frame ahead_, once reading_ has finished
   std::int64_t ahead_ = -1;         ///< none
   Worker reading_{1}, writing_{2};  ///< last: they use the others
 };

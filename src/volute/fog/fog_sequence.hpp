@@ -26,7 +26,7 @@ class FogSequence {
                                                 const FogOptions& options = {},
                                                 const Vec3& wind = Vec3::Zero());
 
-  /// The fog at one instant [s].
+  /// The fog at one time [s].
   FogMedium at(double time) const;
 
   /// The same maps under another profile.

@@ -20,19 +20,19 @@
 namespace volute {
 namespace {
 
-GlVolume glVolumeOf(const VolumeAt& volume) {
+GlVolume glVolumeOf(const VolumeSnapshot& volume) {
   return {volume.slice(), volume.emission(), volume.extinction(), volume.placement().turn,
           volume.placement().offset};
 }
 
 /// The part holds on to what the volume's light is computed from, not to the volume.
-GlShadedVolume glShadedOf(const VolumeAt& volume) {
+GlShadedVolume glShadedOf(const VolumeSnapshot& volume) {
   return {[light = volume.light()](const Camera& camera) { return seenFrom(*light, camera); },
           [light = volume.light()] { light->prepare(); }, volume.factor(), volume.placement().turn,
           volume.placement().offset};
 }
 
-GlParts partsOf(const VolumeAt& volume, const GlSnapshotOptions&) {
+GlParts partsOf(const VolumeSnapshot& volume, const GlSnapshotOptions&) {
   if (volume.light())
     return {glPart(glShadedOf(volume))};
   if (!volume.tree())
@@ -44,11 +44,11 @@ GlParts partsOf(const VolumeAt& volume, const GlSnapshotOptions&) {
   return {glPart(std::move(tree))};
 }
 
-GlParts partsOf(const BillboardAt& board, const GlSnapshotOptions&) {
+GlParts partsOf(const BillboardSnapshot& board, const GlSnapshotOptions&) {
   return {glPart(GlBillboard{glVolumeOf(board.volume()), board.options()})};
 }
 
-GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
+GlParts partsOf(const FogSnapshot& fog, const GlSnapshotOptions& options) {
   if (fog.lit())
     return {glPart(GlLitFog{fog.fog(), *fog.lit(), fog.factor()})};
   GlFog part{fog.fog(), fog.factor()};
@@ -59,12 +59,12 @@ GlParts partsOf(const FogAt& fog, const GlSnapshotOptions& options) {
   return {glPart(std::move(part))};
 }
 
-GlParts partsOf(const SmokeAt& smoke, const GlSnapshotOptions& options) {
+GlParts partsOf(const SmokeSnapshot& smoke, const GlSnapshotOptions& options) {
   return {glPart(GlSmoke{smoke.state().locator, smoke.extinction(), smoke.state().source,
                          options.smokeMethod})};
 }
 
-GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
+GlWalls wallsOf(const SmokeSnapshot& smoke, const TriangleScene& others) {
   const SmokeState& state = smoke.state();
   return {{state.locator, &state.locator->mesh()},
           {{glPart(GlSmoke{state.locator, state.extinction, state.source})}},
@@ -74,8 +74,8 @@ GlWalls wallsOf(const SmokeAt& smoke, const TriangleScene& others) {
           others};
 }
 
-GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
-  const FdsAt::Lit& lit = fds.lit();
+GlParts partsOf(const FdsSnapshot& fds, const GlSnapshotOptions&) {
+  const FdsSnapshot::Lit& lit = fds.lit();
   GlParts parts{glPart(GlFds{fds.smoke(), fds.factor(), {}, lit.smoke, lit.surfaces})};
   if (fds.fire()) {
     for (const FdsFlame::Light& light : fds.fire()->lights())
@@ -85,11 +85,11 @@ GlParts partsOf(const FdsAt& fds, const GlSnapshotOptions&) {
 }
 
 /// What OpenGL cannot draw yet; nothing: it can.
-Status drawable(const MediumAt&) {
+Status drawable(const MediumSnapshot&) {
   return {};
 }
 
-Status drawable(const VolumeAt& volume) {
+Status drawable(const VolumeSnapshot& volume) {
   const Basis basis = volume.light()  ? volume.light()->slice().basis()
                       : volume.tree() ? volume.info().basis
                                       : volume.slice()->basis();
@@ -98,11 +98,11 @@ Status drawable(const VolumeAt& volume) {
   return {};
 }
 
-Status drawable(const BillboardAt& board) {
+Status drawable(const BillboardSnapshot& board) {
   return drawable(board.volume());
 }
 
-Status drawable(const FdsAt& fds) {
+Status drawable(const FdsSnapshot& fds) {
   if (fds.sheets().empty())
     return {};
   return fail(ErrorCode::kUnsupported, "isosurfaces of an FDS case");
@@ -117,14 +117,15 @@ void addRow() {
 }
 
 bool registerAll() {
-  addRow<VolumeAt>();
-  addRow<BillboardAt>();
-  addRow<FogAt>();
-  addRow<FdsAt>();
-  addRow<SmokeAt>();
-  registerGlWalls(typeid(SmokeAt), [](const MediumAt& medium, const TriangleScene& others) {
-    return wallsOf(static_cast<const SmokeAt&>(medium), others);
-  });
+  addRow<VolumeSnapshot>();
+  addRow<BillboardSnapshot>();
+  addRow<FogSnapshot>();
+  addRow<FdsSnapshot>();
+  addRow<SmokeSnapshot>();
+  registerGlWalls(typeid(SmokeSnapshot),
+                  [](const MediumSnapshot& medium, const TriangleScene& others) {
+                    return wallsOf(static_cast<const SmokeSnapshot&>(medium), others);
+                  });
   return true;
 }
 

@@ -235,27 +235,28 @@ TEST(GlStore, WhatFailsIsNotKept) {
   EXPECT_EQ(**store.get<int>(source, [] { return Result<int>(7); }), 7);
 }
 
-struct Instant {
-  virtual ~Instant() = default;
+struct BaseSnapshot {
+  virtual ~BaseSnapshot() = default;
 };
 
-struct BallAt final : Instant {
+struct BallSnapshot final : BaseSnapshot {
   Ball ball;
 };
 
-struct SheetAt final : Instant {};
+struct SheetSnapshot final : BaseSnapshot {};
 
 TEST(GlPartTable, FindsPartsByTheTypeOfAMedium) {
-  GlPartTable<Instant, int> table;
-  table.add<BallAt>([](const BallAt& medium, int count) -> Result<decltype(table)::Parts> {
-    return decltype(table)::Parts(static_cast<std::size_t>(count),
-                                  std::make_shared<BallPart>(medium.ball));
-  });
-  const auto found = table.partsOf(BallAt(), 2);
+  GlPartTable<BaseSnapshot, int> table;
+  table.add<BallSnapshot>(
+      [](const BallSnapshot& medium, int count) -> Result<decltype(table)::Parts> {
+        return decltype(table)::Parts(static_cast<std::size_t>(count),
+                                      std::make_shared<BallPart>(medium.ball));
+      });
+  const auto found = table.partsOf(BallSnapshot(), 2);
   ASSERT_TRUE(found);
   ASSERT_EQ(found->size(), 2U);
   EXPECT_EQ(found->front()->name(), "ball");
-  EXPECT_EQ(table.partsOf(SheetAt(), 2).error().code, ErrorCode::kUnsupported);
+  EXPECT_EQ(table.partsOf(SheetSnapshot(), 2).error().code, ErrorCode::kUnsupported);
 }
 
 }  // namespace

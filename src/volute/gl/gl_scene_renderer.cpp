@@ -53,7 +53,7 @@ Status GlSceneRenderer::begin(const View& view) {
 }
 
 Result<SurfacePicture> GlSceneRenderer::surfaces(const View& view, Progress& progress) {
-  const Snapshot& snapshot = view.snapshot;
+  const SceneSnapshot& snapshot = view.snapshot;
   return renderer_.surfaces(view.camera,
                             {snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient},
                             natural_, Rgb::Zero(), progress);

@@ -13,7 +13,7 @@ namespace volute {
 class GlPart;
 
 /// ShadedVoxels' twin: a volume that is lit or burns, from two atlases of its bricks on the device.
-/// Extinction and emission are uploaded once for each instant, scattered light again for each view
+/// Extinction and emission are uploaded once for each snapshot, scattered light again for each view
 /// in which it differs.
 struct GlShadedVolume {
   std::function<ShadedVoxels(const Camera& camera)> seenFrom;  ///< how it looks to a camera

@@ -12,7 +12,7 @@ namespace volute {
 
 class GlPart;
 
-/// TetMarcher's twin: one instant of smoke on a mesh.
+/// TetMarcher's twin: one snapshot of smoke on a mesh.
 struct GlSmoke {
   std::shared_ptr<const TetLocator> locator;
   std::vector<float> extinction{};  ///< [1/m], one for each vertex, finite and >= 0

@@ -32,8 +32,8 @@ std::vector<GlCut> cutsOf(const SceneClip& clip) {
 
 }  // namespace
 
-GlPartTable<MediumAt, GlSnapshotOptions>& glMedia() {
-  static GlPartTable<MediumAt, GlSnapshotOptions> table;
+GlPartTable<MediumSnapshot, GlSnapshotOptions>& glMedia() {
+  static GlPartTable<MediumSnapshot, GlSnapshotOptions> table;
   return table;
 }
 
@@ -41,7 +41,7 @@ void registerGlWalls(std::type_index type, GlWallsOf walls) {
   wallTable().insert_or_assign(type, std::move(walls));
 }
 
-Result<GlScene> glSceneOf(const Snapshot& snapshot, const GlSnapshotOptions& options) {
+Result<GlScene> glSceneOf(const SceneSnapshot& snapshot, const GlSnapshotOptions& options) {
   registerUsualGlMedia();
   GlScene scene{.shade = snapshot.fixedGeometry};
   for (const auto& medium : snapshot.media) {
@@ -53,9 +53,9 @@ Result<GlScene> glSceneOf(const Snapshot& snapshot, const GlSnapshotOptions& opt
   return options.natural ? scene.scaled(1 / snapshot.law.factor()) : scene;
 }
 
-Result<GlWalls> glWallsOf(const Snapshot& snapshot, std::size_t medium) {
+Result<GlWalls> glWallsOf(const SceneSnapshot& snapshot, std::size_t medium) {
   registerUsualGlMedia();
-  const MediumAt& of = unclipped(*snapshot.media[medium]);
+  const MediumSnapshot& of = unclipped(*snapshot.media[medium]);
   const auto found = wallTable().find(std::type_index(typeid(of)));
   if (found == wallTable().end())
     return fail(ErrorCode::kUnsupported, "OpenGL does not draw the walls of this kind of medium");

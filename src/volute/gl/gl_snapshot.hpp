@@ -9,7 +9,7 @@
 #include "volute/gl/gl_part_table.hpp"
 #include "volute/gl/gl_scene.hpp"
 #include "volute/gl/gl_smoke.hpp"
-#include "volute/scene/snapshot.hpp"
+#include "volute/scene/scene_snapshot.hpp"
 
 namespace volute {
 
@@ -22,20 +22,21 @@ struct GlSnapshotOptions {
 
 using GlParts = std::vector<std::shared_ptr<const GlPart>>;
 
-/// What OpenGL makes of a medium at one instant, with extinctions as it has them: times the factor
+/// What OpenGL makes of a medium at one time, with extinctions as it has them: times the factor
 /// of the picture's law. A row for each type that it draws.
-GlPartTable<MediumAt, GlSnapshotOptions>& glMedia();
+GlPartTable<MediumSnapshot, GlSnapshotOptions>& glMedia();
 
 /// Of one that hasWalls(), with what else stands in the light.
-using GlWallsOf = std::function<GlWalls(const MediumAt& medium, const TriangleScene& others)>;
+using GlWallsOf = std::function<GlWalls(const MediumSnapshot& medium, const TriangleScene& others)>;
 
 /// Adds the walls that media of a type have.
 void registerGlWalls(std::type_index type, GlWallsOf walls);
 
 /// All media of a snapshot. kUnsupported where one is of no type in the table: the CPU draws it.
-[[nodiscard]] Result<GlScene> glSceneOf(const Snapshot& snapshot, const GlSnapshotOptions& options);
+[[nodiscard]] Result<GlScene> glSceneOf(const SceneSnapshot& snapshot,
+                                        const GlSnapshotOptions& options);
 
 /// The walls of a medium that has some, as light meets them: natural.
-[[nodiscard]] Result<GlWalls> glWallsOf(const Snapshot& snapshot, std::size_t medium);
+[[nodiscard]] Result<GlWalls> glWallsOf(const SceneSnapshot& snapshot, std::size_t medium);
 
 }  // namespace volute

@@ -11,7 +11,7 @@ namespace volute {
 
 class GlPart;
 
-/// VoxelMedium's twin: one instant of a volume, from an atlas of its bricks on the device.
+/// VoxelMedium's twin: one snapshot of a volume, from an atlas of its bricks on the device.
 struct GlVolume {
   std::shared_ptr<const BrickSlice> slice;
   double emission = 1;           ///< radiance per metre per unit
@@ -23,12 +23,12 @@ struct GlVolume {
 /// What rays through a tree step over, so that no voxel of it is walked for.
 enum class GlTreeSkip {
   kNothing,  ///< no voxel
-  kBox,      ///< what is outside the box of the instant's bricks that are not empty
+  kBox,      ///< what is outside the box of the snapshot's bricks that are not empty
   kBricks,   ///< that, and the bricks in it that are empty
 };
 
 /// The same, but the hexadeca-tree itself is on the device and each voxel is a walk in it
-/// (Ahrenberg et al. 2005, Figures 5 and 6): no time is spent on the instant, more on each ray.
+/// (Ahrenberg et al. 2005, Figures 5 and 6): no time is spent on the snapshot, more on each ray.
 struct GlTreeVolume {
   std::shared_ptr<const Tree4d> tree;
   int frame = 0;

@@ -13,7 +13,7 @@ namespace volute {
 
 struct CubicGrid;
 
-/// One instant of a volume whose values are the coefficients of B-splines of degree 3 at voxel
+/// One snapshot of a volume whose values are the coefficients of B-splines of degree 3 at voxel
 /// centres, a tensor product of three:
 ///   of 1 or 3 channels: emission and extinction as VoxelMedium has them
 ///   of 4 channels:      extinction = K [1/m], emission = J [radiance/m], in channels K, J red, J

@@ -18,7 +18,7 @@ namespace volute {
 /// Light at a voxel.
 using VoxelLight = ArrayN<float, 3>;
 
-/// One instant of a volume that absorbs, may send light of its own, and may scatter light that
+/// One snapshot of a volume that absorbs, may send light of its own, and may scatter light that
 /// reaches it:
 ///   extinction = K,   emission = J + K * L
 /// with K [1/m], J [radiance/m] and L, the light that a unit of extinction scatters towards the eye

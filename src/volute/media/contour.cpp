@@ -15,7 +15,7 @@ namespace {
 constexpr double kWall = 0.12, kSurface = 0.55;  // reflected of a light at the eye
 
 ContourPieces piecesOf(const Contour& contour, const Camera& camera,
-                       std::span<const std::shared_ptr<const MediumAt>> media) {
+                       std::span<const std::shared_ptr<const MediumSnapshot>> media) {
   ContourPieces pieces;
   for (const auto& medium : media) medium->addContour(contour, camera, pieces);
   return pieces;
@@ -65,7 +65,8 @@ Result<Contour> parseSlice(std::string_view text) {
                  "'{}' is not a plane; expected x, y or z and a place in metres, as z=1.8", text);
 }
 
-double largestOn(const Contour& slice, std::span<const std::shared_ptr<const MediumAt>> media) {
+double largestOn(const Contour& slice,
+                 std::span<const std::shared_ptr<const MediumSnapshot>> media) {
   const Camera any = Camera::framing({Vec3::Zero(), Vec3::Ones()}, 1, 1);  // walls do not count
   double largest = 0;
   for (const auto& values : piecesOf(slice, any, media).values)
@@ -74,7 +75,7 @@ double largestOn(const Contour& slice, std::span<const std::shared_ptr<const Med
 }
 
 Result<Image> lookAtContour(const Camera& camera,
-                            std::span<const std::shared_ptr<const MediumAt>> media,
+                            std::span<const std::shared_ptr<const MediumSnapshot>> media,
                             const Contour& contour) {
   ContourPieces pieces = piecesOf(contour, camera, media);
   const auto values = std::move(pieces.values);

@@ -9,7 +9,7 @@
 #include "volute/camera/camera.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/image.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 
 namespace volute {
 
@@ -39,11 +39,12 @@ ColorMap colorMapOf(const Contour& slice);
 
 /// The contour of all media that have one, in colorMapOf() (a slice) or shaded (a surface), in
 /// buildings whose inner walls are grey. Linear RGB. kUnsupported where no medium has any.
-[[nodiscard]] Result<Image> lookAtContour(const Camera& camera,
-                                          std::span<const std::shared_ptr<const MediumAt>> media,
-                                          const Contour& contour);
+[[nodiscard]] Result<Image> lookAtContour(
+    const Camera& camera, std::span<const std::shared_ptr<const MediumSnapshot>> media,
+    const Contour& contour);
 
 /// The largest extinction [1/m] or concentration on a slice that shows it.
-double largestOn(const Contour& slice, std::span<const std::shared_ptr<const MediumAt>> media);
+double largestOn(const Contour& slice,
+                 std::span<const std::shared_ptr<const MediumSnapshot>> media);
 
 }  // namespace volute

@@ -13,7 +13,7 @@ namespace volute {
 
 using OrderedJson = nlohmann::ordered_json;
 
-OrderedJson MediumAt::counts() const {
+OrderedJson MediumSnapshot::counts() const {
   return OrderedJson::object();
 }
 

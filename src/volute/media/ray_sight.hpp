@@ -32,7 +32,7 @@ class RaySight final : public SightField {
   std::shared_ptr<SceneMedium> medium_;
 };
 
-/// Media at one instant, seen through as they are by nature.
+/// Media at one time, seen through as they are by nature.
 std::shared_ptr<const SightInstant> sightThrough(std::vector<AnyMedium> media);
 
 }  // namespace volute

@@ -13,7 +13,7 @@
 #include "volute/image/color_scale.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/media/clock.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 #include "volute/optics/visibility.hpp"
 
 namespace volute {
@@ -86,8 +86,8 @@ struct MediumText {
   std::vector<PlaceMark> marks{};     ///< with the legend, where they are
 };
 
-/// An instant of a medium, and how good it has to be.
-struct InstantRequest {
+/// A snapshot of a medium, and how good it has to be.
+struct SnapshotRequest {
   double time = 0;      ///< [s], of the scene
   double factor = 1;    ///< of all extinctions: PictureLaw::factor()
   bool coarse = false;  ///< soon is better than fine
@@ -116,8 +116,8 @@ class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
   const MediumInfo& info() const { return info_; }
 
   /// The medium at a time of the scene: before its first and after its last frame it is theirs.
-  [[nodiscard]] virtual Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                                                   Progress& progress) = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const MediumSnapshot>> at(
+      const SnapshotRequest& request, Progress& progress) = 0;
 
   /// The same for sight lines, by default along rays. It and the medium share the files that were
   /// opened, so one thread at a time calls both.
@@ -129,14 +129,14 @@ class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
     return true;
   }
 
-  /// A number for what addSurfaces() adds at an instant: while it stays, so do they. 0: nothing.
-  virtual std::uint64_t surfacesKey(const InstantRequest& request) const {
+  /// A number for what addSurfaces() adds at a time: while it stays, so do they. 0: nothing.
+  virtual std::uint64_t surfacesKey(const SnapshotRequest& request) const {
     (void)request;
     return 0;
   }
 
-  /// Appends all of it that is opaque at an instant, as it is seen from the request's eye.
-  [[nodiscard]] virtual Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
+  /// Appends all of it that is opaque at a time, as it is seen from the request's eye.
+  [[nodiscard]] virtual Status addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const {
     (void)request, (void)to;
     return {};
   }

@@ -147,7 +147,7 @@ class SightInstant {
   virtual SightData data() const = 0;
 };
 
-/// An instant of a medium that knows no bounds, shapes or weights, unless it overrides them.
+/// A snapshot of a medium that knows no bounds, shapes or weights, unless it overrides them.
 class BasicSightInstant : public SightInstant {
  public:
   void bounds(std::span<const SightLine>, std::span<double> low,

@@ -54,12 +54,13 @@ class ClippedMedium {
   std::shared_ptr<const SceneClip> clip_;
 };
 
-class ClippedAt final : public MediumAt {
+class ClippedSnapshot final : public MediumSnapshot {
  public:
-  ClippedAt(std::shared_ptr<const MediumAt> medium, std::shared_ptr<const SceneClip> clip)
+  ClippedSnapshot(std::shared_ptr<const MediumSnapshot> medium,
+                  std::shared_ptr<const SceneClip> clip)
       : medium_(std::move(medium)), clip_(std::move(clip)) {}
 
-  const MediumAt& whole() const { return *medium_; }
+  const MediumSnapshot& whole() const { return *medium_; }
 
   const SceneClip& clip() const { return *clip_; }
 
@@ -80,14 +81,14 @@ class ClippedAt final : public MediumAt {
     return {};
   }
 
-  std::shared_ptr<const MediumAt> quick() const override {
+  std::shared_ptr<const MediumSnapshot> quick() const override {
     auto sooner = medium_->quick();
     return sooner ? clipped(std::move(sooner), clip_) : nullptr;
   }
 
   std::vector<Lamp> lightSources() const override { return medium_->lightSources(); }
 
-  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override {
+  std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const override {
     auto lit = medium_->litBy(light);
     return lit ? clipped(std::move(lit), clip_) : nullptr;
   }
@@ -118,7 +119,7 @@ class ClippedAt final : public MediumAt {
       media[i] = AnyMedium(ClippedMedium(std::move(media[i]), clip_));
   }
 
-  std::shared_ptr<const MediumAt> medium_;
+  std::shared_ptr<const MediumSnapshot> medium_;
   std::shared_ptr<const SceneClip> clip_;
 };
 
@@ -223,18 +224,18 @@ Result<SceneClip> parseClip(const nlohmann::json& json, const FieldOrigin& origi
   return clip;
 }
 
-std::shared_ptr<const MediumAt> clipped(std::shared_ptr<const MediumAt> medium,
-                                        std::shared_ptr<const SceneClip> clip) {
-  return std::make_shared<const ClippedAt>(std::move(medium), std::move(clip));
+std::shared_ptr<const MediumSnapshot> clipped(std::shared_ptr<const MediumSnapshot> medium,
+                                              std::shared_ptr<const SceneClip> clip) {
+  return std::make_shared<const ClippedSnapshot>(std::move(medium), std::move(clip));
 }
 
-const SceneClip* clipOf(const MediumAt& medium) {
-  const auto* clipped = dynamic_cast<const ClippedAt*>(&medium);
+const SceneClip* clipOf(const MediumSnapshot& medium) {
+  const auto* clipped = dynamic_cast<const ClippedSnapshot*>(&medium);
   return clipped ? &clipped->clip() : nullptr;
 }
 
-const MediumAt& unclipped(const MediumAt& medium) {
-  const auto* clip = dynamic_cast<const ClippedAt*>(&medium);
+const MediumSnapshot& unclipped(const MediumSnapshot& medium) {
+  const auto* clip = dynamic_cast<const ClippedSnapshot*>(&medium);
   return clip ? clip->whole() : medium;
 }
 

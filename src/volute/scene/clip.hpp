@@ -8,7 +8,7 @@
 
 #include "volute/math/box.hpp"
 #include "volute/media/field.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 
 namespace volute {
 
@@ -38,13 +38,13 @@ std::span<const FieldTable* const> clipTables();
 [[nodiscard]] Result<SceneClip> parseClip(const nlohmann::json& json, const FieldOrigin& origin);
 
 /// The medium where the clip shows it, exact to the plane; walls, lamps and contours as before.
-std::shared_ptr<const MediumAt> clipped(std::shared_ptr<const MediumAt> medium,
-                                        std::shared_ptr<const SceneClip> clip);
+std::shared_ptr<const MediumSnapshot> clipped(std::shared_ptr<const MediumSnapshot> medium,
+                                              std::shared_ptr<const SceneClip> clip);
 
 /// By what it is clipped; null: it is not.
-const SceneClip* clipOf(const MediumAt& medium);
+const SceneClip* clipOf(const MediumSnapshot& medium);
 
 /// What clipped() was given; the medium itself where it is not clipped.
-const MediumAt& unclipped(const MediumAt& medium);
+const MediumSnapshot& unclipped(const MediumSnapshot& medium);
 
 }  // namespace volute

@@ -53,7 +53,7 @@ Box3 thick(Box3 box) {
   return {centre - half, centre + half};
 }
 
-SnapshotContent contentOfMedium(const AnyMedium& medium) {
+SceneContent contentOfMedium(const AnyMedium& medium) {
   const Box3 bounds = withEnds(medium.bounds());
   if (bounds.empty() || !bounds.size().allFinite())
     return {};
@@ -76,7 +76,7 @@ SnapshotContent contentOfMedium(const AnyMedium& medium) {
     }
   });
   const double most = *std::ranges::max_element(seen);
-  SnapshotContent content;
+  SceneContent content;
   if (!(most > 0))
     return content;
   for (std::size_t i = 0; i < values.size(); ++i) {
@@ -93,12 +93,12 @@ SnapshotContent contentOfMedium(const AnyMedium& medium) {
 
 }  // namespace
 
-SnapshotContent contentOf(const Snapshot& snapshot) {
-  SnapshotContent content;
+SceneContent contentOf(const SceneSnapshot& snapshot) {
+  SceneContent content;
   std::vector<AnyMedium> media;
   for (const auto& medium : snapshot.media) medium->addMedia(media);
   for (const AnyMedium& medium : media) {
-    const SnapshotContent one = contentOfMedium(medium);
+    const SceneContent one = contentOfMedium(medium);
     content.amount += one.amount;
     extendBy(content.box, one.box);
   }
@@ -131,7 +131,7 @@ Result<FirstSight> firstSight(Scene& scene, Progress& progress, std::uint64_t en
 
   struct Look {
     double time;
-    SnapshotContent content;
+    SceneContent content;
   };
 
   std::vector<Look> looks;

@@ -17,7 +17,7 @@ struct FirstSight {
 };
 
 /// How much there is to see of a snapshot, and where.
-struct SnapshotContent {
+struct SceneContent {
   Box3 box;           ///< [m]; empty: nothing was found
   double amount = 0;  ///< of media, to be compared with other snapshots' of the scene
 };
@@ -26,7 +26,7 @@ struct SnapshotContent {
 /// a share of the largest; what is smaller than a cell of it may be missed. Signs belong to it, and
 /// surfaces that are near, or all of them where there are no media. Bounds say less: those of a
 /// cache are around all its frames, those of a simulation around its meshes.
-SnapshotContent contentOf(const Snapshot& snapshot);
+SceneContent contentOf(const SceneSnapshot& snapshot);
 
 /// Whether a scene is a file alone, or a scene file that shows the frames of one and says neither a
 /// camera nor anything else to be seen: it is to look as the file does.

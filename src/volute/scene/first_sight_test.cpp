@@ -135,7 +135,7 @@ TEST_F(FirstSights, HasNearSurfacesAndFlatOnes) {
 }
 
 /// Light in a medium at some places.
-std::vector<Rgb> lightIn(const Snapshot& snapshot) {
+std::vector<Rgb> lightIn(const SceneSnapshot& snapshot) {
   std::vector<AnyMedium> media;
   snapshot.media[0]->addMedia(media);
   std::vector<Rgb> light;

@@ -240,9 +240,9 @@ class OwnMedium {
   double time_, factor_;
 };
 
-class OwnMediumAt final : public MediumAt {
+class OwnMediumSnapshot final : public MediumSnapshot {
  public:
-  explicit OwnMediumAt(const OwnMedium& medium) : medium_(medium) {}
+  explicit OwnMediumSnapshot(const OwnMedium& medium) : medium_(medium) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override { media.push_back(medium_); }
 
@@ -257,9 +257,10 @@ class OwnMediumInTime final : public SceneMedium {
     info_ = std::move(info);
   }
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request, Progress&) override {
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress&) override {
     const double time = std::clamp(request.time, info_.times.front(), info_.times.back());
-    return std::make_shared<const OwnMediumAt>(
+    return std::make_shared<const OwnMediumSnapshot>(
         OwnMedium(opened_, info_.bounds, time, request.factor));
   }
 

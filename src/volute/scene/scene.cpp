@@ -122,12 +122,12 @@ bool isScenePath(const std::string& path) {
   return extensionOf(path) == ".json";
 }
 
-bool Snapshot::hasWalls() const {
+bool SceneSnapshot::hasWalls() const {
   return std::ranges::any_of(media, [](const auto& medium) { return medium->hasWalls(); });
 }
 
-std::optional<Snapshot> Snapshot::quick() const {
-  Snapshot other = *this;
+std::optional<SceneSnapshot> SceneSnapshot::quick() const {
+  SceneSnapshot other = *this;
   bool sooner = !geometry.empty() && !lights.lamps.empty();
   for (auto& medium : other.media) {
     if (auto quick = medium->quick()) {
@@ -389,8 +389,8 @@ std::optional<CameraDescription> Scene::camera() const {
   return media_[0]->firstCamera();
 }
 
-/// `surfaces_` becomes the scene's and all that is opaque in its media at an instant.
-Status Scene::placeSurfaces(const InstantRequest& request) {
+/// `surfaces_` becomes the scene's and all that is opaque in its media at a time.
+Status Scene::placeSurfaces(const SnapshotRequest& request) {
   std::vector<std::uint64_t> wanted;
   for (const auto& medium : media_) wanted.push_back(medium->surfacesKey(request));
   if (std::ranges::all_of(wanted, [](std::uint64_t key) { return key == 0; }) ||
@@ -403,11 +403,11 @@ Status Scene::placeSurfaces(const InstantRequest& request) {
   return {};
 }
 
-Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
-  Snapshot snapshot;
+Result<SceneSnapshot> Scene::at(const SnapshotRequest& request, Progress& progress) {
+  SceneSnapshot snapshot;
   snapshot.time = request.time;
   snapshot.law = law();
-  InstantRequest seen = request;
+  SnapshotRequest seen = request;
   seen.factor = snapshot.law.factor();
   for (std::size_t i = 0; i < media_.size(); ++i) {
     const SceneEntry here{path_, description_.media[i]};
@@ -439,7 +439,7 @@ Result<Snapshot> Scene::at(const InstantRequest& request, Progress& progress) {
   return snapshot;
 }
 
-void Scene::shine(Snapshot& snapshot, Progress& progress) {
+void Scene::shine(SceneSnapshot& snapshot, Progress& progress) {
   if (media_.size() < 2 && snapshot.geometry.empty())
     return;  // there is nothing else to be lit, or in the way
   std::vector<std::vector<Lamp>> lamps;
@@ -450,7 +450,7 @@ void Scene::shine(Snapshot& snapshot, Progress& progress) {
     count +=
         static_cast<std::size_t>(std::ranges::count(lamps.back(), Lamp::Kind::kSpot, &Lamp::kind));
   }
-  const std::vector<std::shared_ptr<const MediumAt>> plain = snapshot.media;
+  const std::vector<std::shared_ptr<const MediumSnapshot>> plain = snapshot.media;
   for (std::size_t i = 0; i < plain.size(); ++i) {
     std::vector<Lamp> others;
     for (std::size_t k = 0; k < plain.size(); ++k) {

@@ -13,7 +13,7 @@
 #include "volute/io/kept_json.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/scene_file.hpp"
-#include "volute/scene/snapshot.hpp"
+#include "volute/scene/scene_snapshot.hpp"
 
 namespace volute {
 
@@ -35,8 +35,8 @@ struct SceneOptions {
 bool isScenePath(const std::string& path);
 
 /// Media, surfaces, lights, signs and a camera. It is opened from a file of any kind; at() gives a
-/// Snapshot. Its state is its JSON: changes are made there and read back. Call it from one thread
-/// at a time; Snapshots are independent of it.
+/// SceneSnapshot. Its state is its JSON: changes are made there and read back. Call it from one
+/// thread at a time; Snapshots are independent of it.
 class Scene {
  public:
   /// Opens a scene file, or a scene that shows only the given file. Errors name the file and the
@@ -86,7 +86,7 @@ class Scene {
   void setViews(std::vector<Camera> views);
 
   /// The scene at request.time; request.factor is that of law().
-  [[nodiscard]] Result<Snapshot> at(const InstantRequest& request, Progress& progress);
+  [[nodiscard]] Result<SceneSnapshot> at(const SnapshotRequest& request, Progress& progress);
 
   /// Changes the scene to `json`. Data already read are reused where entries do not change. An
   /// error leaves everything unchanged.
@@ -126,9 +126,9 @@ class Scene {
   void chooseScattering(SceneDescription& description, Progress& progress) const;
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);
-  [[nodiscard]] Status placeSurfaces(const InstantRequest& request);
+  [[nodiscard]] Status placeSurfaces(const SnapshotRequest& request);
   /// Adds media that glow as lamps for the others.
-  void shine(Snapshot& snapshot, Progress& progress);
+  void shine(SceneSnapshot& snapshot, Progress& progress);
 
   std::string path_;  ///< names in the JSON are found from its folder
   bool isFile_ = true;
@@ -145,7 +145,7 @@ class Scene {
   std::vector<std::uint64_t> surfacesOf_;  ///< SceneMedium::surfacesKey() of it
 };
 
-/// InstantRequest::eye of a camera: for parallel rays, a point far behind everything [m].
+/// SnapshotRequest::eye of a camera: for parallel rays, a point far behind everything [m].
 Vec3 seenFrom(const Camera& camera);
 
 }  // namespace volute

@@ -65,7 +65,7 @@ class SceneGlow : public testing::Test {
            more + "}";
   }
 
-  Snapshot at(const std::string& media, const std::string& more = "") {
+  SceneSnapshot at(const std::string& media, const std::string& more = "") {
     const auto json = nlohmann::ordered_json::parse(
         R"({"format": "volute-scene-1", "camera": {"eye": [0, -30, 8], "target": [0, 0, 4], "fov": 40},
             "geometry": [{"file": "ground.obj"}], "media": [)" +
@@ -74,7 +74,7 @@ class SceneGlow : public testing::Test {
     EXPECT_TRUE(scene) << scene.error().message;
     auto snapshot = scene->at({}, heard_);
     EXPECT_TRUE(snapshot) << snapshot.error().message;
-    return snapshot.value_or(Snapshot());
+    return snapshot.value_or(SceneSnapshot());
   }
 
   class Heard : public Progress {
@@ -90,7 +90,7 @@ class SceneGlow : public testing::Test {
 };
 
 TEST_F(SceneGlow, FarAwayABallIsAPointOfItsPower) {
-  const Snapshot snapshot = at(fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const SceneSnapshot snapshot = at(fire(R"(, "emission": 2, "lights_scene": "always")"));
   const auto& lamps = snapshot.lights.lamps;
   ASSERT_FALSE(lamps.empty());
   EXPECT_LE(lamps.size(), 8U);
@@ -112,7 +112,7 @@ TEST_F(SceneGlow, FarAwayABallIsAPointOfItsPower) {
 TEST_F(SceneGlow, CloseByItIsTheSumOfItsVoxels) {
   const std::string low =
       R"({"kind": "volume", "file": "fire.npy", "emission": 2, "lights_scene": "always"})";
-  const Snapshot snapshot = at(low);
+  const SceneSnapshot snapshot = at(low);
   for (const double far : {0.0, 0.4, 1.0}) {
     const Vec3 place(0.5 + far, 0.5, 0);
     const Segment down{place + Vec3::UnitZ() * 0.01, -Vec3::UnitZ(), 0, 10};
@@ -142,7 +142,8 @@ TEST_F(SceneGlow, OtherVolumesScatterIt) {
   const std::string smoke =
       R"({"kind": "volume", "file": "smoke.npy", "emission": 0, "extinction": 0.1, "albedo": [0.9, 0.9, 0.9],
           "transform": [1,0,0,4, 0,1,0,-0.5, 0,0,1,7.5, 0,0,0,1]})";
-  const Snapshot snapshot = at(smoke + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const SceneSnapshot snapshot =
+      at(smoke + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
   std::vector<AnyMedium> media;
   snapshot.media[0]->addMedia(media);
   const double r2 = 4.5 * 4.5;  // from the ball's middle to the cube's
@@ -158,8 +159,9 @@ TEST_F(SceneGlow, FogScattersItAndTheGroundKeepsIt) {
   Image white(4, 4, 1);
   std::ranges::fill(white.pixels, 1.0F);
   ASSERT_TRUE(writeImage((folder_ / "fog.png").string(), white));
-  const Snapshot snapshot = at(fog + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
-  const auto* lit = dynamic_cast<const FogAt*>(snapshot.media[0].get());
+  const SceneSnapshot snapshot =
+      at(fog + "," + fire(R"(, "emission": 2, "lights_scene": "always")"));
+  const auto* lit = dynamic_cast<const FogSnapshot*>(snapshot.media[0].get());
   ASSERT_TRUE(lit && lit->lit());
   std::vector<AnyMedium> media;
   lit->addMedia(media);
@@ -188,7 +190,7 @@ TEST_F(SceneGlow, MediaShadowVolumes) {
   const std::string sun =
       R"(, "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [2, 2, 2]}])";
   const auto lightAt = [&](const std::string& media, const Vec3& point) {
-    const Snapshot snapshot = at(media, sun);
+    const SceneSnapshot snapshot = at(media, sun);
     std::vector<AnyMedium> all;
     snapshot.media[0]->addMedia(all);
     return all[0].emission(point)[0];

@@ -56,7 +56,7 @@ class SceneLevelSet : public testing::Test {
     ASSERT_TRUE((*sink)->finish());
   }
 
-  Snapshot at(const std::string& members) {
+  SceneSnapshot at(const std::string& members) {
     const auto json =
         nlohmann::ordered_json::parse(R"({"format": "volute-scene-2", )" + members + "}");
     SceneOptions pictures;
@@ -67,7 +67,7 @@ class SceneLevelSet : public testing::Test {
       return {};
     auto snapshot = scene->at({}, heard_);
     EXPECT_TRUE(snapshot) << snapshot.error().message;
-    return snapshot.value_or(Snapshot());
+    return snapshot.value_or(SceneSnapshot());
   }
 
   class Heard : public Progress {
@@ -82,7 +82,7 @@ class SceneLevelSet : public testing::Test {
 };
 
 TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
-  const Snapshot alone = at(R"("media": [{"kind": "volume", "file": "ball.vdb"}])");
+  const SceneSnapshot alone = at(R"("media": [{"kind": "volume", "file": "ball.vdb"}])");
   EXPECT_THAT(heard_.remarks, testing::HasSubstr("the surface of the level set"));
   EXPECT_THAT(heard_.remarks, testing::Not(testing::HasSubstr("what glows")));
   ASSERT_FALSE(alone.geometry.empty());
@@ -99,7 +99,7 @@ TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
       lookAtSurfaces({alone.geometry, alone.lights.lamps, Rgb::Zero(), media}, {&down, 1});
   EXPECT_EQ(through[0].radiance[1], top[0].radiance[1]);
 
-  const Snapshot lit = at(R"("media": [{"kind": "volume", "file": "ball.vdb",
+  const SceneSnapshot lit = at(R"("media": [{"kind": "volume", "file": "ball.vdb",
       "transform": [2,0,0,10, 0,2,0,0, 0,0,2,0, 0,0,0,1]}],
       "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [3, 3, 3]}])");
   ASSERT_EQ(lit.lights.lamps.size(), 1u);
@@ -125,7 +125,7 @@ TEST_F(SceneLevelSet, ShadowSmoke) {
   const std::string sun =
       R"("lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [3, 3, 3]}])";
   const auto below = [&](const std::string& media, const std::string& more) {
-    const Snapshot lit = at(fmt::format(R"("media": [{}], {}{})", media, more, sun));
+    const SceneSnapshot lit = at(fmt::format(R"("media": [{}], {}{})", media, more, sun));
     std::vector<AnyMedium> parts;
     for (const auto& medium : lit.media) medium->addMedia(parts);
     const Segment ray{Vec3(0.4, 0.5, 0.05), Vec3::UnitX(), 0, 0.2};
@@ -148,7 +148,7 @@ TEST_F(SceneLevelSet, ShadowSmoke) {
 /// A ball in the sun is as bright as its normals say, up to where night begins.
 TEST_F(SceneLevelSet, AreLitAsWhatTheyAre) {
   const Vec3 light = Vec3(1, -0.5, 0.8).normalized();
-  const Snapshot lit = at(fmt::format(
+  const SceneSnapshot lit = at(fmt::format(
       R"("media": [{{"kind": "volume", "file": "ball.vdb"}}],
       "lights": [{{"kind": "sun", "direction": [{}, {}, {}], "radiance": [1, 1, 1]}}])",
       -light.x(), -light.y(), -light.z()));
@@ -178,14 +178,14 @@ TEST_F(SceneLevelSet, AreLitAsWhatTheyAre) {
 }
 
 TEST_F(SceneLevelSet, AreDenseMatterWhereThatIsAskedFor) {
-  const Snapshot matter =
+  const SceneSnapshot matter =
       at(R"("media": [{"kind": "volume", "file": "ball.vdb", "preset": "smoke"}])");
   EXPECT_THAT(heard_.remarks, testing::HasSubstr("dense matter"));
   EXPECT_TRUE(matter.geometry.empty());
 }
 
 TEST_F(SceneLevelSet, AsGeometryTheyBlockLightForMedia) {
-  const Snapshot fixed = at(R"("geometry": [{"file": "ball.vdb"}])");
+  const SceneSnapshot fixed = at(R"("geometry": [{"file": "ball.vdb"}])");
   ASSERT_FALSE(fixed.fixedGeometry.empty());
   const Segment through{Vec3(0.5, 0.5, 3), -Vec3::UnitZ(), 0, 10};
   std::uint8_t blocked = 0;

@@ -86,7 +86,7 @@ class SceneRenderer::Opaque {
  public:
   static Result<Opaque> draw(SceneRenderer& renderer, View view, const Rgb& background,
                              Progress& progress, PictureCounts& counts) {
-    const Snapshot& snapshot = view.snapshot;
+    const SceneSnapshot& snapshot = view.snapshot;
     Opaque opaque(SurfaceStack(view.camera, background));
     if (view.surfaces && !snapshot.geometry.empty()) {
       const Stopwatch watch(counts.surfaceMilliseconds);
@@ -121,14 +121,14 @@ class SceneRenderer::Opaque {
   explicit Opaque(SurfaceStack surfaces) : stack(std::move(surfaces)) {}
 };
 
-Result<Image> SceneRenderer::render(const Snapshot& snapshot, const Camera& camera,
+Result<Image> SceneRenderer::render(const SceneSnapshot& snapshot, const Camera& camera,
                                     const RenderOptions& options, Progress& progress,
                                     PictureCounts* counts) {
   PictureCounts unheard;
   return picture({snapshot, camera}, options, progress, counts ? *counts : unheard);
 }
 
-Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera& camera,
+Result<Image> SceneRenderer::renderSmooth(const SceneSnapshot& snapshot, const Camera& camera,
                                           const RenderOptions& options, int samples,
                                           const PictureStyle& shown, Progress& progress,
                                           PictureCounts* counts) {
@@ -169,7 +169,7 @@ Result<Image> SceneRenderer::renderSmooth(const Snapshot& snapshot, const Camera
   return image;
 }
 
-Result<Image> SceneRenderer::renderBare(const Snapshot& snapshot, const Camera& camera,
+Result<Image> SceneRenderer::renderBare(const SceneSnapshot& snapshot, const Camera& camera,
                                         const RenderOptions& options, Progress& progress) {
   PictureCounts unheard;
   return picture({.snapshot = snapshot, .camera = camera, .surfaces = false}, options, progress,
@@ -178,7 +178,7 @@ Result<Image> SceneRenderer::renderBare(const Snapshot& snapshot, const Camera& 
 
 Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Progress& progress,
                                      PictureCounts& counted) {
-  const Snapshot& snapshot = view.snapshot;
+  const SceneSnapshot& snapshot = view.snapshot;
   VOLUTE_TRY(begin(view));
   VOLUTE_ASSIGN(const auto opaque,
                 Opaque::draw(*this, view, options.background, progress, counted));
@@ -281,7 +281,7 @@ Result<std::vector<AnyMedium>> CpuRenderer::mediaFor(const View& view) const {
 }
 
 Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progress) {
-  const Snapshot& snapshot = view.snapshot;
+  const SceneSnapshot& snapshot = view.snapshot;
   // Lamps' light is always attenuated physically, whatever the picture's law.
   DepthsAlong ofAll;  // of a medium in shares, beside which there is no other
   for (const auto& picture : pictures_) {

@@ -14,7 +14,7 @@
 #include "volute/render/render.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/scene/scene_signs.hpp"
-#include "volute/scene/snapshot.hpp"
+#include "volute/scene/scene_snapshot.hpp"
 
 namespace volute {
 
@@ -35,20 +35,20 @@ class SceneRenderer {
   /// optical depth uses the natural logarithm for every law. kCancelled if `progress` requests it,
   /// kUnsupported for media that this renderer cannot draw.
   /// @param options  of the picture; the background comes from the snapshot
-  [[nodiscard]] Result<Image> render(const Snapshot& snapshot, const Camera& camera,
+  [[nodiscard]] Result<Image> render(const SceneSnapshot& snapshot, const Camera& camera,
                                      const RenderOptions& options, Progress& progress,
                                      PictureCounts* counts = nullptr);
 
   /// render(), with `samples` rays in pixels with edges: of surfaces, signs and boxes, and any
   /// other visible steps. No AOVs but kAlpha.
   /// @param shown  how light is displayed, for finding edges
-  [[nodiscard]] Result<Image> renderSmooth(const Snapshot& snapshot, const Camera& camera,
+  [[nodiscard]] Result<Image> renderSmooth(const SceneSnapshot& snapshot, const Camera& camera,
                                            const RenderOptions& options, int samples,
                                            const PictureStyle& shown, Progress& progress,
                                            PictureCounts* counts = nullptr);
 
   /// The same without surfaces and walls; signs stay.
-  [[nodiscard]] Result<Image> renderBare(const Snapshot& snapshot, const Camera& camera,
+  [[nodiscard]] Result<Image> renderBare(const SceneSnapshot& snapshot, const Camera& camera,
                                          const RenderOptions& options, Progress& progress);
 
   /// "cpu", "gl", "reference".
@@ -60,7 +60,7 @@ class SceneRenderer {
  protected:
   /// A snapshot and a camera, while a picture is rendered.
   struct View {
-    const Snapshot& snapshot;
+    const SceneSnapshot& snapshot;
     const Camera& camera;
     std::span<const float> opaqueDepth{};  ///< depth of what has been drawn so far, as for render()
     bool surfaces = true;                  ///< draw surfaces and walls
@@ -131,7 +131,7 @@ class CpuRenderer final : public SceneRenderer {
   /// All media for the camera, in the snapshot's order.
   [[nodiscard]] Result<std::vector<AnyMedium>> mediaFor(const View& view) const;
 
-  std::vector<std::shared_ptr<MediumPicture>> kept_;  ///< for other instants
+  std::vector<std::shared_ptr<MediumPicture>> kept_;  ///< for other snapshots
   std::vector<std::shared_ptr<MediumPicture>>
       pictures_;  ///< of each medium of the snapshot; or null
   std::vector<std::vector<AnyMedium>>

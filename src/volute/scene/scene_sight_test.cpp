@@ -44,7 +44,7 @@ class LayerMedium final : public SceneMedium {
  public:
   explicit LayerMedium(std::string source) : source_(std::move(source)) {}
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest&, Progress&) override {
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest&, Progress&) override {
     return fail(ErrorCode::kUnsupported, "only pictures need this");
   }
 

@@ -20,7 +20,7 @@ class VectorNoise {
   /// @param cell  [m], distance of the nodes: the size of the eddies.
   VectorNoise(std::uint32_t seed, float extent, float cell, float period);
 
-  /// Sets the instant [s], >= 0, that `at` sees.
+  /// Sets the snapshot [s], >= 0, that `at` sees.
   void setTime(double seconds);
 
   /// At a point [m] of the cube.

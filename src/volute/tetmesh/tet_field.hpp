@@ -26,7 +26,7 @@ enum class Negatives { kRefuse, kClamp, kKeep };
 std::vector<float> cellToPoint(const TetMesh& mesh, std::span<const float> cellValues,
                                std::span<const std::int32_t> cellOf);
 
-/// (1 - share) a + share b. Values between two instants, share in [0, 1].
+/// (1 - share) a + share b. Values between two snapshots, share in [0, 1].
 void interpolateFields(std::span<const float> a, std::span<const float> b, double share,
                        std::span<float> out);
 

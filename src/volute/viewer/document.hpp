@@ -57,11 +57,11 @@ struct PlaceFields {
   std::vector<ProbedField> fields;
 };
 
-/// An instant of a document that is to be shown.
+/// A snapshot of a document that is to be shown.
 struct SceneRequest {
   double time = 0;  ///< [s]
   bool coarse = false;
-  bool moving = false;  ///< it is shown but for a moment: InstantRequest::moving
+  bool moving = false;  ///< it is shown but for a moment: SnapshotRequest::moving
   bool openGl = true;   ///< OpenGL will draw it: without, what only that needs may be left out
 };
 

@@ -43,7 +43,7 @@ Result<Camera> tileOf(const Camera& camera, int left, int top, int width, int he
   return Camera::calibrated(part);
 }
 
-Status ExactSurfaces::begin(std::shared_ptr<const Snapshot> snapshot, const Camera& camera) {
+Status ExactSurfaces::begin(std::shared_ptr<const SceneSnapshot> snapshot, const Camera& camera) {
   const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
   // Lamps shine through what media are by nature.
   VOLUTE_ASSIGN(auto media, glSceneOf(*snapshot, {.natural = true}));
@@ -75,7 +75,7 @@ Status ExactSurfaces::drawTile(GlRenderer& renderer) {
     lit += seen.surfacePixels;
     all.add(SurfaceView{std::move(seen.depth), std::move(seen.color)});
   };
-  const Snapshot& snapshot = *work.snapshot;
+  const SceneSnapshot& snapshot = *work.snapshot;
   if (!snapshot.geometry.empty()) {
     const SurfaceScene surfaces{snapshot.geometry, snapshot.lights.lamps, snapshot.lights.ambient};
     VOLUTE_ASSIGN(auto seen, renderer.surfaces(tile, surfaces, work.media, Rgb::Zero(), quiet));

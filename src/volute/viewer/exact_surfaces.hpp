@@ -21,7 +21,7 @@ namespace volute {
 class ExactSurfaces {
  public:
   /// Another picture, from its first tile on. kUnsupported for media that OpenGL does not draw.
-  [[nodiscard]] Status begin(std::shared_ptr<const Snapshot> snapshot, const Camera& camera);
+  [[nodiscard]] Status begin(std::shared_ptr<const SceneSnapshot> snapshot, const Camera& camera);
 
   void drop() { work_.reset(); }
 
@@ -40,7 +40,7 @@ class ExactSurfaces {
 
  private:
   struct Work {
-    std::shared_ptr<const Snapshot> snapshot;
+    std::shared_ptr<const SceneSnapshot> snapshot;
     GlScene media;               ///< by nature
     std::vector<GlWalls> walls;  ///< of what `snapshot` holds
     Camera camera;

@@ -42,8 +42,8 @@ TEST(ExactSurfaces, TilesHaveTheRaysOfThePicture) {
 }
 
 /// A wall over some of the picture, which emits what it does.
-Snapshot wall() {
-  Snapshot snapshot;
+SceneSnapshot wall() {
+  SceneSnapshot snapshot;
   const Vec3 corners[] = {Vec3(-1, 0, -1), Vec3(1, 0, -1), Vec3(1, 0, 1), Vec3(-1, 0, 1)};
   auto scene = TriangleScene::build(
       {{{corners[0], corners[1], corners[2]}, 0}, {{corners[0], corners[2], corners[3]}, 0}},
@@ -58,7 +58,7 @@ TEST(ExactSurfaces, AreTheWholePictureInTiles) {
     GTEST_SKIP() << gl.error().message;
   auto renderer = GlRenderer::create();
   ASSERT_TRUE(renderer);
-  const auto snapshot = std::make_shared<const Snapshot>(wall());
+  const auto snapshot = std::make_shared<const SceneSnapshot>(wall());
   const Camera camera = Camera::pinhole(kView, 50, 150, 77);
   Progress quiet;
   const auto whole = renderer->surfaces(camera, {snapshot->geometry}, {}, Rgb::Zero(), quiet);

@@ -56,7 +56,7 @@ struct LoaderNews {
 /// nothing.
 using DocumentChange = std::function<Result<std::string>(Document&, Progress&)>;
 
-/// Opens documents and their instants in a thread of its own, so that the picture never waits.
+/// Opens documents and their snapshots in a thread of its own, so that the picture never waits.
 /// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled. Opens the
 /// same file again if one of its files changes on disk; looks every half second, between two
 /// requests.
@@ -84,11 +84,11 @@ class Loader {
   /// Counts what news() would tell.
   int changes() const { return changes_; }
 
-  /// Says who draws, of which SceneRequest tells documents. Loads the instant again if OpenGL draws
-  /// from now on.
+  /// Says who draws, of which SceneRequest tells documents. Loads the snapshot again if OpenGL
+  /// draws from now on.
   void setOpenGl(bool draws);
 
-  /// Does this with the document, then loads its instant again. Changes run in order; one that has
+  /// Does this with the document, then loads its snapshot again. Changes run in order; one that has
   /// not begun is replaced by a newer one of the same key.
   void change(const std::string& key, DocumentChange what);
 
@@ -101,7 +101,7 @@ class Loader {
 
   void thaw();
 
-  /// Asks what all fields are at a place of the instant that is shown, once there is nothing to be
+  /// Asks what all fields are at a place of the snapshot that is shown, once there is nothing to be
   /// loaded for it; the newest request counts.
   void requestFields(const Vec3& place);
 
@@ -185,7 +185,7 @@ class Loader {
   int openedCount_ = 0;
   bool working_ = false;
   LoaderState state_;
-  bool errorIsOfScene_ = false;  ///< it goes when the next instant is there
+  bool errorIsOfScene_ = false;  ///< it goes when the next snapshot is there
   std::optional<DocumentInfo> opened_;
   std::optional<LoadedScene> loaded_;
   std::string path_;

@@ -45,7 +45,7 @@ class SceneDocument final : public Document {
  private:
   static constexpr std::uint64_t kLightBytes = 128 << 20;  ///< of lamps in smoke, in memory
 
-  /// Takes one picture at a time: instants come and go, what it prepared for a mesh stays.
+  /// Takes one picture at a time: snapshots come and go, what it prepared for a mesh stays.
   struct Drawer {
     std::mutex mutex;
     CpuRenderer renderer;
@@ -61,9 +61,9 @@ class SceneDocument final : public Document {
 
   Result<nlohmann::ordered_json> withFile(const std::string& path, Progress& progress) const;
   SceneEdit withBounds(SceneEdit edit) const;
-  void addSurfaces(const SceneRequest& request, const std::shared_ptr<const Snapshot>& snapshot,
-                   ViewScene& scene);
-  CpuPicture byCpu(std::shared_ptr<const Snapshot> snapshot, bool surfaces) const;
+  void addSurfaces(const SceneRequest& request,
+                   const std::shared_ptr<const SceneSnapshot>& snapshot, ViewScene& scene);
+  CpuPicture byCpu(std::shared_ptr<const SceneSnapshot> snapshot, bool surfaces) const;
 
   std::string path_;  ///< as it was opened
   std::string file_;  ///< of the scene: path_, or where it would be saved

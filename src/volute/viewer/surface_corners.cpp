@@ -194,8 +194,8 @@ GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most) {
   return surfaces;
 }
 
-GlSurfaces wallCorners(const MediumAt& medium, std::size_t most) {
-  const auto& shown = dynamic_cast<const SmokeAt&>(medium);
+GlSurfaces wallCorners(const MediumSnapshot& medium, std::size_t most) {
+  const auto& shown = dynamic_cast<const SmokeSnapshot&>(medium);
   const SmokeState& smoke = shown.state();
   const SceneLights& lights = shown.lights();
   const Rgb& color = *shown.walls();

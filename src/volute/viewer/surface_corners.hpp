@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 #include "volute/render/surfaces.hpp"
 #include "volute/viewer/view_scene.hpp"
 
@@ -17,9 +17,9 @@ namespace volute {
 ///     those that there are; and again as many of the second
 GlSurfaces surfaceCorners(const SurfaceScene& scene, std::size_t most = 20000);
 
-/// The walls of a medium that has some likewise, seen from inside alone: MediumAt::lookAtWalls(),
-/// but with the light at corners of pieces, between which it is linear, as is the share of it that
-/// comes through the medium between the vertices of a face.
-GlSurfaces wallCorners(const MediumAt& medium, std::size_t most = 20000);
+/// The walls of a medium that has some likewise, seen from inside alone:
+/// MediumSnapshot::lookAtWalls(), but with the light at corners of pieces, between which it is
+/// linear, as is the share of it that comes through the medium between the vertices of a face.
+GlSurfaces wallCorners(const MediumSnapshot& medium, std::size_t most = 20000);
 
 }  // namespace volute

@@ -15,12 +15,12 @@
 #include "volute/gl/surface_drawer.hpp"
 #include "volute/image/color_scale.hpp"
 #include "volute/image/image.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 #include "volute/optics/visibility.hpp"
 
 namespace volute {
 
-struct Snapshot;
+struct SceneSnapshot;
 
 /// A line that is drawn over the picture.
 struct ViewLine {
@@ -28,15 +28,15 @@ struct ViewLine {
   Rgb color = Rgb::Ones();  ///< as displays take it, 0..1
 };
 
-/// The same instant by the CPU: linear RGB with surfaces and background in it. Thread-safe.
+/// The same snapshot by the CPU: linear RGB with surfaces and background in it. Thread-safe.
 using CpuPicture = std::function<Result<Image>(const Camera& camera, Progress& progress)>;
 
-/// One instant of a document, ready to be drawn.
+/// One snapshot of a document, ready to be drawn.
 struct ViewScene {
   double time = 0;  ///< [s] of the document
   GlScene media{};  ///< as the law of the picture sees them
   /// Whose boundaries a pointer meets as walls.
-  std::vector<std::shared_ptr<const MediumAt>> now{};
+  std::vector<std::shared_ptr<const MediumSnapshot>> now{};
   std::vector<std::string> names{};  ///< of each of them: "smoke: hall.pvd"
   PictureLaw law{};                  ///< of the picture
 
@@ -60,9 +60,9 @@ struct ViewScene {
   std::uint64_t bytes = 0;        ///< of memory, about, that it alone holds
   /// What a pointer or a ray meets: all triangles of the scene, however they are drawn.
   TriangleScene geometry{};
-  std::vector<std::string> remarks{};  ///< what this instant lacks, in sentences
+  std::vector<std::string> remarks{};  ///< what this snapshot lacks, in sentences
   /// Of which `surfaces` are an approximation; null: there is nothing finer.
-  std::shared_ptr<const Snapshot> snapshot{};
+  std::shared_ptr<const SceneSnapshot> snapshot{};
   std::string notByGl{};  ///< why OpenGL does not draw the media; empty: it may
 };
 

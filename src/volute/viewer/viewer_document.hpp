@@ -22,7 +22,7 @@ struct DocumentNews {
   std::optional<Result<LoadedScene>> frozen{};  ///< of Loader::requestFrozen()
 };
 
-/// The document that is open, as it last said of itself, the instant of it that is shown, and the
+/// The document that is open, as it last said of itself, the snapshot of it that is shown, and the
 /// changes on their way to it.
 class ViewerDocument {
  public:
@@ -79,7 +79,7 @@ class ViewerDocument {
   void undo();
   void redo();
 
-  /// What all fields are at a place of the instant that is shown, once it is known; null until
+  /// What all fields are at a place of the snapshot that is shown, once it is known; null until
   /// then.
   const LoadedFields* fieldsAt(const Vec3& place);
 

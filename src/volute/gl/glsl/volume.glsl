@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// One instant of a volume, cell by cell along a ray; M_ stands for the medium's own prefix. Cells are voxels (box), or
+// One snapshot of a volume, cell by cell along a ray; M_ stands for the medium's own prefix. Cells are voxels (box), or
 // lie between eight voxel centres (trilinear: cell i is between voxels i - 1 and i). Bricks of 8^3 cells that are empty
 // are stepped over, 2^M_gap a side together. M_open(brick) and M_voxel(voxel) come from volume_atlas.glsl,
 // volume_tree.glsl or, of M_SHADED volumes, volume_shaded.glsl, which has M_scattered(voxel) too, where M_LIT.

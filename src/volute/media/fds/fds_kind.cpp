@@ -23,7 +23,7 @@ using OrderedJson = nlohmann::ordered_json;
 /// What ranks draw that hold a share of the meshes each.
 class FdsSharesPicture final : public MediumPicture {
  public:
-  FdsSharesPicture(const FdsAt& at, const FdsField& smoke, const FdsShares& shares)
+  FdsSharesPicture(const FdsSnapshot& at, const FdsField& smoke, const FdsShares& shares)
       : smoke_(smoke), factor_(at.factor()), shares_(shares) {
     at.addMedia(media_);
   }
@@ -158,7 +158,7 @@ class FdsKind final : public MediumKind {
 
 }  // namespace
 
-const FdsAt::Lit& FdsAt::lit() const {
+const FdsSnapshot::Lit& FdsSnapshot::lit() const {
   std::call_once(asked_, [&] {
     if (lightUp_)
       lit_ = lightUp_(smoke_, {});
@@ -166,29 +166,29 @@ const FdsAt::Lit& FdsAt::lit() const {
   return lit_;
 }
 
-void FdsAt::addMedia(std::vector<AnyMedium>& media) const {
+void FdsSnapshot::addMedia(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, lit().smoke ? AnyMedium(*lit().smoke) : AnyMedium(smoke_)));
   if (fire_)
     media.emplace_back(*fire_);
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
-void FdsAt::addExtinction(std::vector<AnyMedium>& media) const {
+void FdsSnapshot::addExtinction(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, AnyMedium(smoke_)));
   media.insert(media.end(), sheets_.begin(), sheets_.end());
 }
 
-std::shared_ptr<const MediumAt> FdsAt::litBy(const MediaLight& light) const {
+std::shared_ptr<const MediumSnapshot> FdsSnapshot::litBy(const MediaLight& light) const {
   if (!lightUp_ || shares_)
     return nullptr;
   const LightUp lightUp =
       [lightUp = lightUp_, lit = std::vector(light.lamps.begin(), light.lamps.end()),
        between = std::vector(light.between.begin(), light.between.end())](
           const FdsField& smoke, const MediaLight&) { return lightUp(smoke, {lit, between}); };
-  return std::make_shared<const FdsAt>(smoke_, factor_, fire_, sheets_, shares_, lightUp);
+  return std::make_shared<const FdsSnapshot>(smoke_, factor_, fire_, sheets_, shares_, lightUp);
 }
 
-std::shared_ptr<MediumPicture> FdsAt::picture(std::shared_ptr<MediumPicture>) const {
+std::shared_ptr<MediumPicture> FdsSnapshot::picture(std::shared_ptr<MediumPicture>) const {
   return shares_ ? std::make_shared<FdsSharesPicture>(*this, smoke(), *shares_) : nullptr;
 }
 

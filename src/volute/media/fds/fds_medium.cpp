@@ -290,7 +290,8 @@ void FdsMedium::describe() {
   info_.law = description_.law;
 }
 
-Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& request, Progress&) {
+Result<std::shared_ptr<const MediumSnapshot>> FdsMedium::at(const SnapshotRequest& request,
+                                                            Progress&) {
   const double time = request.time, scale = description_.scale;
   VOLUTE_ASSIGN(auto smoke, case_->field(caseTime(time)));
   if (lights_.multiple && holders_ && request.lit && !lights_.lamps.empty()) {
@@ -307,7 +308,7 @@ Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& requ
   std::optional<FdsShares> shares;
   if (holders_)
     shares = FdsShares{holders_, scale, burns() || !lights_.lamps.empty()};
-  FdsAt::LightUp lightUp;
+  FdsSnapshot::LightUp lightUp;
   if (request.lit) {
     smoke = smoke.withSource(description_.albedo * lights_.ambient);
     lightUp = [self = std::static_pointer_cast<const FdsMedium>(shared_from_this()), time,
@@ -315,8 +316,9 @@ Result<std::shared_ptr<const MediumAt>> FdsMedium::at(const InstantRequest& requ
       return self->inLight(field, time, eye, light);
     };
   }
-  auto made = std::make_shared<const FdsAt>(std::move(smoke), request.factor * scale,
-                                            std::move(fire), std::move(sheets), shares, lightUp);
+  auto made =
+      std::make_shared<const FdsSnapshot>(std::move(smoke), request.factor * scale, std::move(fire),
+                                          std::move(sheets), shares, lightUp);
   if (holders_)
     made->lit();  // which all ranks find together
   return made;
@@ -369,8 +371,8 @@ double FdsMedium::caseTime(double time) const {
   return description_.clock.at(time, case_->times());
 }
 
-FdsAt::Lit FdsMedium::inLight(const FdsField& field, double time, const std::optional<Vec3>& eye,
-                              const MediaLight& other) const {
+FdsSnapshot::Lit FdsMedium::inLight(const FdsField& field, double time,
+                                    const std::optional<Vec3>& eye, const MediaLight& other) const {
   Illumination light{.lamps = lights_.lamps,
                      .ambient = lights_.ambient,
                      .between = {other.between.begin(), other.between.end()},
@@ -378,7 +380,7 @@ FdsAt::Lit FdsMedium::inLight(const FdsField& field, double time, const std::opt
   light.lamps.insert(light.lamps.end(), other.lamps.begin(), other.lamps.end());
   if (light.lamps.empty() || !(description_.albedo.maxCoeff() > 0))
     return {};
-  FdsAt::Lit lit{{}, inTheWay(time, eye)};
+  FdsSnapshot::Lit lit{{}, inTheWay(time, eye)};
   light.blocks = blocksOf(lit.surfaces);
   const FdsLamps lamps{.light = std::move(light),
                        .surfaces = lit.surfaces,
@@ -504,7 +506,7 @@ FdsSides FdsMedium::openTowards(const FdsBuilding& building, const std::optional
                                                                      : 0;
 }
 
-std::uint64_t FdsMedium::surfacesKey(const InstantRequest& request) const {
+std::uint64_t FdsMedium::surfacesKey(const SnapshotRequest& request) const {
   const double local = caseTime(request.time);
   const std::optional<Vec3>& eye = request.eye;
   std::uint64_t key = static_cast<std::uint64_t>(
@@ -526,7 +528,7 @@ std::uint64_t FdsMedium::surfacesKey(const InstantRequest& request) const {
   return 1 + key;
 }
 
-Status FdsMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
+Status FdsMedium::addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const {
   const double time = request.time;
   addBuilding(time, request.eye, to);
   if (description_.look.devices)

@@ -23,7 +23,7 @@
 #include "volute/media/fds/fds_slice.hpp"
 #include "volute/media/fds/lit_fds.hpp"
 #include "volute/media/field_probe.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 #include "volute/media/scene_lights.hpp"
 #include "volute/media/scene_medium.hpp"
 #include "volute/medium/any_medium.hpp"
@@ -37,8 +37,8 @@ struct FdsShares {
   bool shines = false;  ///< FdsMedium::shines(), the same on all ranks
 };
 
-/// Smoke and fire of an FDS case at one instant.
-class FdsAt final : public MediumAt {
+/// Smoke and fire of an FDS case at one time.
+class FdsSnapshot final : public MediumSnapshot {
  public:
   /// The smoke in lamps' light, and the surfaces that shadow it.
   struct Lit {
@@ -53,8 +53,9 @@ class FdsAt final : public MediumAt {
   /// @param shares  nothing: this process holds all
   /// @param smoke  in the light that comes from everywhere
   /// @param lightUp  asked when light is first asked for; empty: no lamp shines
-  FdsAt(FdsField smoke, double factor, std::optional<FdsFlame> fire, std::vector<AnyMedium> sheets,
-        std::optional<FdsShares> shares = {}, LightUp lightUp = {})
+  FdsSnapshot(FdsField smoke, double factor, std::optional<FdsFlame> fire,
+              std::vector<AnyMedium> sheets, std::optional<FdsShares> shares = {},
+              LightUp lightUp = {})
       : smoke_(std::move(smoke)),
         factor_(factor),
         fire_(std::move(fire)),
@@ -65,8 +66,8 @@ class FdsAt final : public MediumAt {
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
 
-  /// The instant in another light, where this process holds all of it.
-  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+  /// The snapshot in another light, where this process holds all of it.
+  std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const override;
 
   bool drawsItself() const override { return shares_.has_value(); }
 
@@ -122,19 +123,19 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   std::shared_ptr<FdsMedium> with(const FdsDescription& description,
                                   const MediumContext& context) const;
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                             Progress& progress) override;
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress& progress) override;
 
   /// Of any of the case's sources, at its stored times, with what its bytes are rounded by. Files
   /// that pictures are of are not opened again.
   Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
 
   /// All cases have a building, so never 0.
-  std::uint64_t surfacesKey(const InstantRequest& request) const override;
+  std::uint64_t surfacesKey(const SnapshotRequest& request) const override;
 
   /// All that is opaque: the building, the devices' marks, particles and the slice. Outer walls and
   /// cuts open towards the eye.
-  Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
+  Status addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const override;
 
   std::unique_ptr<FieldProbe> fieldProbe() const override;
 
@@ -172,8 +173,8 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
 
   void describe();
   /// A field of that time as lamps light it: those of the scene and of other media, through them.
-  FdsAt::Lit inLight(const FdsField& field, double time, const std::optional<Vec3>& eye,
-                     const MediaLight& other = {}) const;
+  FdsSnapshot::Lit inLight(const FdsField& field, double time, const std::optional<Vec3>& eye,
+                           const MediaLight& other = {}) const;
   /// The scene's own surfaces, and the building and its walls of triangles as they are drawn.
   TriangleScene inTheWay(double time, const std::optional<Vec3>& eye) const;
   /// The fire at a time of the scene [s], which shines and hides nothing; nothing where the case

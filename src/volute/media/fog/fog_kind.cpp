@@ -87,8 +87,8 @@ class FogKind final : public MediumKind {
 
 }  // namespace
 
-FogAt::FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
-             std::vector<Lamp> lamps, FogLight light)
+FogSnapshot::FogSnapshot(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
+                         std::vector<Lamp> lamps, FogLight light)
     : map_(std::move(map)),
       time_(time),
       fog_(map_->fogAt(time)),
@@ -96,7 +96,7 @@ FogAt::FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double fact
       lamps_(std::move(lamps)),
       light_(std::move(light)) {}
 
-const std::optional<LitMedium>& FogAt::lit() const {
+const std::optional<LitMedium>& FogSnapshot::lit() const {
   std::call_once(made_, [&] {
     if (!lamps_.empty() && light_.scattering.albedo.maxCoeff() > 0)
       lit_ = litFog(fog_, lamps_, light_);
@@ -104,15 +104,15 @@ const std::optional<LitMedium>& FogAt::lit() const {
   return lit_;
 }
 
-void FogAt::addMedia(std::vector<AnyMedium>& media) const {
+void FogSnapshot::addMedia(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, lit() ? AnyMedium(*lit()) : AnyMedium(fog_)));
 }
 
-void FogAt::addExtinction(std::vector<AnyMedium>& media) const {
+void FogSnapshot::addExtinction(std::vector<AnyMedium>& media) const {
   media.push_back(scaledBy(factor_, AnyMedium(fog_)));
 }
 
-std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
+std::shared_ptr<const MediumSnapshot> FogSnapshot::litBy(const MediaLight& light) const {
   std::vector<Lamp> lamps = lamps_;
   constexpr std::size_t kFires = 3;
   const std::vector<Lamp> fires = fewerLamps(light.lamps, kFires);
@@ -121,18 +121,19 @@ std::shared_ptr<const MediumAt> FogAt::litBy(const MediaLight& light) const {
     return nullptr;
   FogLight veiled = light_;
   veiled.between.assign(light.between.begin(), light.between.end());
-  return std::make_shared<const FogAt>(map_, time_, factor_, std::move(lamps), std::move(veiled));
+  return std::make_shared<const FogSnapshot>(map_, time_, factor_, std::move(lamps),
+                                             std::move(veiled));
 }
 
-std::shared_ptr<const MediumAt> FogAt::quick() const {
+std::shared_ptr<const MediumSnapshot> FogSnapshot::quick() const {
   if (!light_.shadows || lamps_.empty())
     return nullptr;
   FogLight open = light_;
   open.shadows = {}, open.blocks = {};
-  return std::make_shared<const FogAt>(map_, time_, factor_, lamps_, std::move(open));
+  return std::make_shared<const FogSnapshot>(map_, time_, factor_, lamps_, std::move(open));
 }
 
-Status FogAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+Status FogSnapshot::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
   const auto options = lit() ? std::nullopt : map_->polarFor(camera, fog_);
   if (!options) {
     addMedia(media);

@@ -325,16 +325,16 @@ Result<FogMedium> FogSceneMedium::bordered(const FogMedium& map, const Vec3& blo
   return FogMedium::make(filled, map.profile(), map.options());
 }
 
-Result<std::shared_ptr<const MediumAt>> FogSceneMedium::at(const InstantRequest& request,
-                                                           Progress&) {
+Result<std::shared_ptr<const MediumSnapshot>> FogSceneMedium::at(const SnapshotRequest& request,
+                                                                 Progress&) {
   FogLight light{description_.scattering,
                  description_.shadows,
                  {},
                  description_.blocks,
                  description_.multiple};
-  return std::make_shared<const FogAt>(shown(), request.time, request.factor,
-                                       request.lit ? lamps_ : std::vector<Lamp>(),
-                                       std::move(light));
+  return std::make_shared<const FogSnapshot>(shown(), request.time, request.factor,
+                                             request.lit ? lamps_ : std::vector<Lamp>(),
+                                             std::move(light));
 }
 
 std::vector<std::string> FogSceneMedium::files() const {

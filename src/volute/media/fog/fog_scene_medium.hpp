@@ -21,12 +21,12 @@ struct Reading;
 /// Whether any of its surfaces takes sunlight from the fog.
 bool shadowsFog(const TriangleScene& geometry, std::span<const Lamp> lamps, const FogMedium& fog);
 
-/// Fog at one instant.
-class FogAt final : public MediumAt {
+/// Fog at one time.
+class FogSnapshot final : public MediumSnapshot {
  public:
   /// @param lamps  that shine at it
-  FogAt(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
-        std::vector<Lamp> lamps, FogLight light);
+  FogSnapshot(std::shared_ptr<const FogSceneMedium> map, double time, double factor,
+              std::vector<Lamp> lamps, FogLight light);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
 
@@ -35,9 +35,9 @@ class FogAt final : public MediumAt {
   /// By a polar table where the fog's description asks for one and it serves.
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
 
-  std::shared_ptr<const MediumAt> quick() const override;
+  std::shared_ptr<const MediumSnapshot> quick() const override;
 
-  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+  std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const override;
 
   const FogMedium& fog() const { return fog_; }
 
@@ -46,7 +46,7 @@ class FogAt final : public MediumAt {
 
   double factor() const { return factor_; }
 
-  /// The medium in time that this is an instant of.
+  /// The medium in time that this is a snapshot of.
   const std::shared_ptr<const FogSceneMedium>& map() const { return map_; }
 
  private:
@@ -76,8 +76,8 @@ class FogSceneMedium final : public SceneMedium, public ProbedMedium {
   std::shared_ptr<FogSceneMedium> with(const FogDescription& description,
                                        std::vector<Lamp> lamps) const;
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                             Progress& progress) override;
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress& progress) override;
   std::vector<std::string> files() const override;
   std::unique_ptr<FieldProbe> fieldProbe() const override;
 

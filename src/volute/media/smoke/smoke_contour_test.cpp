@@ -21,9 +21,9 @@ SmokeState rampOfSmoke() {
   return smoke;
 }
 
-std::vector<std::shared_ptr<const MediumAt>> shown(const SmokeState& smoke) {
-  return {std::make_shared<const SmokeAt>(smoke, 1, std::make_shared<const SmokeLighting>(),
-                                          std::nullopt)};
+std::vector<std::shared_ptr<const MediumSnapshot>> shown(const SmokeState& smoke) {
+  return {std::make_shared<const SmokeSnapshot>(smoke, 1, std::make_shared<const SmokeLighting>(),
+                                                std::nullopt)};
 }
 
 Rgb at(const Image& image, int x, int y) {

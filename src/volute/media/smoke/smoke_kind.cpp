@@ -40,7 +40,7 @@ class MeshPicture final : public MediumPicture {
 
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
-  void show(const SmokeAt& smoke) {
+  void show(const SmokeSnapshot& smoke) {
     keep(natural_, smoke.state().extinction);
     keep(extinction_, smoke.extinction());
     keep(source_, smoke.state().source);
@@ -208,19 +208,20 @@ class SmokeKind final : public MediumKind {
 
 }  // namespace
 
-std::vector<float> SmokeAt::extinction() const {
+std::vector<float> SmokeSnapshot::extinction() const {
   return scaledBy(factor_, state_.extinction);
 }
 
-void SmokeAt::addMedia(std::vector<AnyMedium>& media) const {
+void SmokeSnapshot::addMedia(std::vector<AnyMedium>& media) const {
   media.emplace_back(TetMedium(state_.locator, extinction(), state().source));
 }
 
-void SmokeAt::addExtinction(std::vector<AnyMedium>& media) const {
+void SmokeSnapshot::addExtinction(std::vector<AnyMedium>& media) const {
   media.emplace_back(TetMedium(state_.locator, extinction(), {}));
 }
 
-std::shared_ptr<MediumPicture> SmokeAt::picture(std::shared_ptr<MediumPicture> earlier) const {
+std::shared_ptr<MediumPicture> SmokeSnapshot::picture(
+    std::shared_ptr<MediumPicture> earlier) const {
   auto picture = std::dynamic_pointer_cast<MeshPicture>(earlier);
   if (!picture || picture->locator() != state_.locator)
     picture = std::make_shared<MeshPicture>(state_.locator);
@@ -239,7 +240,7 @@ Illumination SmokeLighting::illumination(const MediaLight& other) const {
 }
 
 /// From the shares that the state has of each lamp.
-void SmokeAt::light(const Illumination& light) const {
+void SmokeSnapshot::light(const Illumination& light) const {
   std::call_once(lit_, [&] {
     if (light.lamps.empty() && light.ambient.isZero(0))
       return;
@@ -251,12 +252,12 @@ void SmokeAt::light(const Illumination& light) const {
   });
 }
 
-const SmokeState& SmokeAt::state() const {
+const SmokeState& SmokeSnapshot::state() const {
   light(lighting_->illumination());
   return state_;
 }
 
-std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& other) const {
+std::shared_ptr<const MediumSnapshot> SmokeSnapshot::litBy(const MediaLight& other) const {
   const Illumination light = lighting_->illumination(other);
   const std::size_t own = lighting_->lights.lamps.size();
   VOLUTE_ASSERT(state_.lampShares.size() == own);
@@ -264,7 +265,7 @@ std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& other) const {
     return nullptr;
   const TetMesh& mesh = state_.locator->mesh();
   const ArrivingLight arriving(light, mesh.bounds());
-  auto lit = std::make_shared<SmokeAt>(state_, factor_, lighting_, walls_);
+  auto lit = std::make_shared<SmokeSnapshot>(state_, factor_, lighting_, walls_);
   std::vector<std::vector<float>>& shares = lit->state_.lampShares;
   const LampPaths paths(state_.locator);
   lit->state_.lampMeans.clear();
@@ -284,18 +285,18 @@ std::shared_ptr<const MediumAt> SmokeAt::litBy(const MediaLight& other) const {
   return lit;
 }
 
-std::optional<WallHit> SmokeAt::wallOn(const Segment& ray) const {
+std::optional<WallHit> SmokeSnapshot::wallOn(const Segment& ray) const {
   return wallLeft(*state_.locator, ray);
 }
 
-Result<SurfaceView> SmokeAt::lookAtWalls(const Camera& camera, const TriangleScene& others,
-                                         std::span<const std::uint8_t> only) const {
+Result<SurfaceView> SmokeSnapshot::lookAtWalls(const Camera& camera, const TriangleScene& others,
+                                               std::span<const std::uint8_t> only) const {
   return volute::lookAtWalls(camera, state_, lighting_->lights, *walls_, blocksOf(others), only,
                              wallLight_.get());
 }
 
-bool SmokeAt::addContour(const Contour& contour, const Camera& camera,
-                         ContourPieces& pieces) const {
+bool SmokeSnapshot::addContour(const Contour& contour, const Camera& camera,
+                               ContourPieces& pieces) const {
   contourPieces(contour, camera, state_, pieces);
   return true;
 }

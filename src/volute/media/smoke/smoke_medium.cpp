@@ -151,11 +151,11 @@ void SmokeMedium::describe() {
   }
 }
 
-Result<std::shared_ptr<const MediumAt>> SmokeMedium::at(const InstantRequest& request,
-                                                        Progress& progress) {
+Result<std::shared_ptr<const MediumSnapshot>> SmokeMedium::at(const SnapshotRequest& request,
+                                                              Progress& progress) {
   VOLUTE_ASSIGN(auto state, stateAt(request.time, progress));
-  return std::make_shared<const SmokeAt>(std::move(state), request.factor, lighting_,
-                                         description_.walls, holders_);
+  return std::make_shared<const SmokeSnapshot>(std::move(state), request.factor, lighting_,
+                                               description_.walls, holders_);
 }
 
 MediumText SmokeMedium::text(const std::optional<Vec3>&) const {

@@ -25,7 +25,7 @@ namespace volute {
 
 struct OpenOptions;
 
-/// Smoke at one instant, on its mesh.
+/// Smoke at one time, on its mesh.
 struct SmokeState {
   std::shared_ptr<const TetLocator> locator;
   std::vector<float> extinction;               ///< [1/m], natural logarithm, one for each vertex
@@ -59,11 +59,11 @@ struct SmokeCounts {
   double lightMilliseconds = 0;
 };
 
-/// Smoke on tetrahedra at one instant.
-class SmokeAt final : public MediumAt {
+/// Smoke on tetrahedra at one time.
+class SmokeSnapshot final : public MediumSnapshot {
  public:
-  SmokeAt(SmokeState state, double factor, std::shared_ptr<const SmokeLighting> lighting,
-          std::optional<Rgb> walls, Team* holders = nullptr)
+  SmokeSnapshot(SmokeState state, double factor, std::shared_ptr<const SmokeLighting> lighting,
+                std::optional<Rgb> walls, Team* holders = nullptr)
       : state_(std::move(state)),
         factor_(factor),
         lighting_(std::move(lighting)),
@@ -77,7 +77,7 @@ class SmokeAt final : public MediumAt {
   bool drawsItself() const override { return true; }
 
   /// Where this process holds all of it; its walls see no more than before.
-  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+  std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const override;
 
   std::uint64_t memoryBytes() const override {
     return 3 * state_.extinction.size() * sizeof(float);
@@ -144,8 +144,8 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
       const SmokeDescription& description, std::shared_ptr<const SmokeLighting> lighting,
       Reading& reading) const;
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                             Progress& progress) override;
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress& progress) override;
   Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
   MediumText text(const std::optional<Vec3>& eye) const override;
   std::unique_ptr<FieldProbe> fieldProbe() const override;

@@ -10,7 +10,7 @@
 
 #include "volute/camera/camera.hpp"
 #include "volute/geometry/triangle_scene.hpp"
-#include "volute/media/medium_at.hpp"
+#include "volute/media/medium_snapshot.hpp"
 #include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/render/surfaces.hpp"
 

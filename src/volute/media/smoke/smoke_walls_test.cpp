@@ -268,18 +268,18 @@ TEST(LookAtWalls, IsTheSameWhetherTheViewIsKeptOrNot) {
   }
 }
 
-TEST(SmokeAt, IsLitThroughOtherMediaAndByWhatGlows) {
+TEST(SmokeSnapshot, IsLitThroughOtherMediaAndByWhatGlows) {
   SmokeState state = hall().smoke;
   state.albedo = Rgb(0.9, 0.8, 0.7);
   const auto lighting =
       std::make_shared<const SmokeLighting>(SmokeLighting{hall().lights, nullptr, {}, {}, nullptr});
-  const SmokeAt smoke(state, 1, lighting, std::nullopt);
+  const SmokeSnapshot smoke(state, 1, lighting, std::nullopt);
   std::vector<float> half = state.extinction;
   for (float& k : half) k *= 0.5F;
   const std::vector<AnyMedium> between{AnyMedium(TetMedium(state.locator, half))};
   const auto lit = smoke.litBy({hall().lights.lamps, between});
   ASSERT_TRUE(lit);
-  const SmokeState& found = dynamic_cast<const SmokeAt&>(*lit).state();
+  const SmokeState& found = dynamic_cast<const SmokeSnapshot&>(*lit).state();
   const Lamp& lamp = hall().lights.lamps[0];
   std::vector<float> shares = state.lampShares[0];
   for (float& share : shares) share = std::pow(share, 1.5F);
@@ -305,7 +305,7 @@ TEST(SmokeAt, IsLitThroughOtherMediaAndByWhatGlows) {
   EXPECT_GT(moved, 1e-2);
   EXPECT_EQ(found.source, scatteredLight(state.locator->mesh().vertices(), {{lamp, lamp}},
                                          found.lampMeans, state.albedo, Rgb::Zero()));
-  const SmokeAt black(hall().smoke, 1, lighting, std::nullopt);
+  const SmokeSnapshot black(hall().smoke, 1, lighting, std::nullopt);
   EXPECT_FALSE(black.litBy({hall().lights.lamps, between})) << "it scatters nothing";
 }
 

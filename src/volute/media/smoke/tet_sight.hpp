@@ -10,7 +10,7 @@
 
 namespace volute {
 
-/// Smoke on tetrahedra at one instant, extinction linear in each. The mesh's boundary is opaque:
+/// Smoke on tetrahedra at one time, extinction linear in each. The mesh's boundary is opaque:
 /// a line that leaves it and comes back is blocked. Sums are exact.
 ///
 /// A line is walked from tet to neighbour; where it meets an edge, or leaves the mesh, the slow and

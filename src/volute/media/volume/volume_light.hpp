@@ -32,7 +32,7 @@ struct VolumeLighting {
   AffineMap place{};              ///< from the volume's own space to that of lamps and views
 };
 
-/// Single scattering in a volume at one instant:
+/// Single scattering in a volume at one time:
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
 /// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
 /// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels, but

@@ -32,7 +32,7 @@ double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
 
 }  // namespace
 
-VolumeAt::VolumeAt(const VolumeMedium& of, double moment, double factor)
+VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, double moment, double factor)
     : info_(of.infoAt(moment)),
       placement_(of.placementAt(moment)),
       emission_(of.appearance().emission),
@@ -40,7 +40,8 @@ VolumeAt::VolumeAt(const VolumeMedium& of, double moment, double factor)
       factor_(factor),
       lightsScene_(of.appearance().lights()) {}
 
-VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light)
+VolumeSnapshot::VolumeSnapshot(const VolumeSnapshot& other,
+                               std::shared_ptr<const VolumeLight> light)
     : info_(other.info_),
       placement_(other.placement_),
       emission_(other.emission_),
@@ -50,26 +51,26 @@ VolumeAt::VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> lig
       light_(std::move(light)),
       provisional_(other.provisional_) {}
 
-VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
-                   double factor)
-    : VolumeAt(of, moment, factor) {
+VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice,
+                               double moment, double factor)
+    : VolumeSnapshot(of, moment, factor) {
   slice_ = std::move(slice);
 }
 
-VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position,
-                   double factor)
-    : VolumeAt(of, position, factor) {
+VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree,
+                               int position, double factor)
+    : VolumeSnapshot(of, position, factor) {
   tree_ = std::move(tree);
   position_ = position;
 }
 
-VolumeAt::VolumeAt(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
-                   double factor)
-    : VolumeAt(of, moment, factor) {
+VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light,
+                               double moment, double factor)
+    : VolumeSnapshot(of, moment, factor) {
   light_ = std::move(light);
 }
 
-const VoxelMedium& VolumeAt::medium() const {
+const VoxelMedium& VolumeSnapshot::medium() const {
   std::call_once(made_, [&] {
     if (!slice_) {
       slice_ = std::make_shared<const BrickSlice>(
@@ -80,28 +81,28 @@ const VoxelMedium& VolumeAt::medium() const {
   return *medium_;
 }
 
-const std::shared_ptr<const BrickSlice>& VolumeAt::slice() const {
+const std::shared_ptr<const BrickSlice>& VolumeSnapshot::slice() const {
   if (tree_)
     medium();
   return slice_;
 }
 
-AffineMap VolumeAt::place() const {
+AffineMap VolumeSnapshot::place() const {
   return {placement_.turn, placement_.offset};
 }
 
-void VolumeAt::addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const {
+void VolumeSnapshot::addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const {
   if (place().isIdentity())
     media.push_back(std::move(medium));
   else
     media.emplace_back(AffineMedium(std::move(medium), place()));
 }
 
-void VolumeAt::addMedia(std::vector<AnyMedium>& media) const {
+void VolumeSnapshot::addMedia(std::vector<AnyMedium>& media) const {
   addPlaced(light_ ? scaledBy(factor_, AnyMedium(light_->seen())) : AnyMedium(medium()), media);
 }
 
-void VolumeAt::addExtinction(std::vector<AnyMedium>& media) const {
+void VolumeSnapshot::addExtinction(std::vector<AnyMedium>& media) const {
   if (!light_ && extinction_ != 0)
     addMedia(media);
   else if (light_)
@@ -113,7 +114,7 @@ ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera) {
   return light.seenFrom({parallel, parallel ? camera.forward() : camera.eye()});
 }
 
-Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+Status VolumeSnapshot::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
   if (!light_) {
     addMedia(media);
     return {};
@@ -127,7 +128,7 @@ Status VolumeAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media
   return {};
 }
 
-std::vector<Lamp> VolumeAt::lightSources() const {
+std::vector<Lamp> VolumeSnapshot::lightSources() const {
   if (!lamps_.empty())
     return lamps_;
   constexpr std::size_t kMaxLamps = 8;  // each costs a shadow's ray for each pixel of a surface
@@ -143,16 +144,16 @@ std::vector<Lamp> VolumeAt::lightSources() const {
   return lamps;
 }
 
-std::shared_ptr<const MediumAt> VolumeAt::litBy(const MediaLight& light) const {
+std::shared_ptr<const MediumSnapshot> VolumeSnapshot::litBy(const MediaLight& light) const {
   if (!light_ || !(light_->lighting().albedo.maxCoeff() > 0) ||
       (light.lamps.empty() && light_->lighting().lamps.empty()))
     return nullptr;
-  return std::shared_ptr<const MediumAt>(
-      new VolumeAt(*this, light_->withLamps(light.lamps, light.between)));
+  return std::shared_ptr<const MediumSnapshot>(
+      new VolumeSnapshot(*this, light_->withLamps(light.lamps, light.between)));
 }
 
 /// The values, and what VoxelMedium makes of them.
-std::uint64_t VolumeAt::memoryBytes() const {
+std::uint64_t VolumeSnapshot::memoryBytes() const {
   if (light_)
     return light_->memoryBytes();
   if (!slice_)
@@ -160,7 +161,7 @@ std::uint64_t VolumeAt::memoryBytes() const {
   return slice_->bytes() + slice_->values().size_bytes();
 }
 
-nlohmann::ordered_json VolumeAt::counts() const {
+nlohmann::ordered_json VolumeSnapshot::counts() const {
   if (light_) {
     const std::lock_guard lock(shadedGuard_);
     MarchCounts sum;
@@ -280,14 +281,14 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::coarseSlice(int position
   return std::make_shared<const BrickSlice>(asItLooks(tree.extractSlice(position), info));
 }
 
-Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& request,
-                                                         Progress& progress) {
+Result<std::shared_ptr<const MediumSnapshot>> VolumeMedium::at(const SnapshotRequest& request,
+                                                               Progress& progress) {
   progress_ = &progress;
   const int position = positionAt(request.time);
   const double moment = shown_ = momentAt(request.time);
   if (appearance_.surface) {
     // It is among the scene's surfaces, and there is nothing else.
-    auto nothing = std::make_shared<VolumeAt>(
+    auto nothing = std::make_shared<VolumeSnapshot>(
         *this,
         std::make_shared<const BrickSlice>(BrickSlice::fromBricks(infoAt(position), Bricks())),
         position, request.factor);
@@ -310,36 +311,36 @@ Result<std::shared_ptr<const MediumAt>> VolumeMedium::at(const InstantRequest& r
     }
     VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit, request.moving));
     block_ = rowOf(position);
-    auto lit = std::make_shared<VolumeAt>(*this, std::move(light), moment, request.factor);
+    auto lit = std::make_shared<VolumeSnapshot>(*this, std::move(light), moment, request.factor);
     lit->setProvisional(lightMoves_);
     return lit;
   }
   if (request.coarse && !inMemory(request.time) && !input_->source->info().levelSet) {
     VOLUTE_ASSIGN(auto slice, coarseSlice(position, progress));
-    return std::make_shared<const VolumeAt>(*this, drawn(std::move(slice)), position,
-                                            request.factor);
+    return std::make_shared<const VolumeSnapshot>(*this, drawn(std::move(slice)), position,
+                                                  request.factor);
   }
   if (request.tree) {
     VOLUTE_ASSIGN(auto tree, treeAt(position));
     block_ = rowOf(position);
-    return std::make_shared<const VolumeAt>(*this, std::move(tree), position, request.factor);
+    return std::make_shared<const VolumeSnapshot>(*this, std::move(tree), position, request.factor);
   }
   VOLUTE_ASSIGN(auto slice, sliceAt(moment));
   block_ = rowOf(position);
   const bool moves = request.moving && refines(*slice) && slice != drawnOf_;
-  auto shown = std::make_shared<VolumeAt>(*this, moves ? moved(*slice) : drawn(std::move(slice)),
-                                          moment, request.factor);
+  auto shown = std::make_shared<VolumeSnapshot>(
+      *this, moves ? moved(*slice) : drawn(std::move(slice)), moment, request.factor);
   shown->setProvisional(moves);
   return shown;
 }
 
-std::uint64_t VolumeMedium::surfacesKey(const InstantRequest& request) const {
+std::uint64_t VolumeMedium::surfacesKey(const SnapshotRequest& request) const {
   if (!appearance_.surface)
     return 0;
   return 1 + static_cast<std::uint64_t>(positionAt(request.time));
 }
 
-Status VolumeMedium::addSurfaces(const InstantRequest& request, TriangleMesh& to) const {
+Status VolumeMedium::addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const {
   if (!appearance_.surface)
     return {};
   const Rgb base = Rgb::Constant(0.7);
@@ -505,7 +506,7 @@ Result<std::optional<std::string>> VolumeMedium::check(Progress& progress) {
                      integrity.intactSegments, integrity.segments);
 }
 
-Status BillboardAt::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
+Status BillboardSnapshot::addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const {
   Progress quiet;
   VOLUTE_ASSIGN(auto drawn, Billboard::draw(AnyMedium(volume_->medium()), camera, options_, quiet));
   media.emplace_back(std::move(drawn));
@@ -522,18 +523,18 @@ BillboardMedium::BillboardMedium(const VolumeMedium& volume, const SceneBillboar
   info_.size.clear();
 }
 
-Result<std::shared_ptr<const MediumAt>> BillboardMedium::at(const InstantRequest& request,
-                                                            Progress& progress) {
+Result<std::shared_ptr<const MediumSnapshot>> BillboardMedium::at(const SnapshotRequest& request,
+                                                                  Progress& progress) {
   if (hasPlaces()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: its grid is turned, or moves by parts of a voxel, and stands on no billboard",
                 path());
   }
-  InstantRequest whole = request;  // one draws bricks, of all levels
+  SnapshotRequest whole = request;  // one draws bricks, of all levels
   whole.coarse = whole.tree = false;
   VOLUTE_ASSIGN(auto volume, VolumeMedium::at(whole, progress));
-  return std::make_shared<const BillboardAt>(std::static_pointer_cast<const VolumeAt>(volume),
-                                             options_);
+  return std::make_shared<const BillboardSnapshot>(
+      std::static_pointer_cast<const VolumeSnapshot>(volume), options_);
 }
 
 }  // namespace volute

@@ -29,18 +29,19 @@ class VolumeMedium;
 BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
 
 /// One frame of a volume, at its place in the scene.
-class VolumeAt final : public MediumAt {
+class VolumeSnapshot final : public MediumSnapshot {
  public:
   /// @param factor  of the appearance's extinction
-  VolumeAt(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
-           double factor);
+  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
+                 double factor);
 
   /// The frame at a position of a tree. Its bricks are only made for who asks for them.
-  VolumeAt(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position, double factor);
+  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position,
+                 double factor);
 
   /// One that burns or is lit; its light is the same from all cameras.
-  VolumeAt(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
-           double factor);
+  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
+                 double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
@@ -52,8 +53,8 @@ class VolumeAt final : public MediumAt {
   /// Lamps that belong to the picture of it, not to what it holds.
   void setLamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
 
-  /// The instant in another light, where it scatters any.
-  std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const override;
+  /// The snapshot in another light, where it scatters any.
+  std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const override;
 
   std::uint64_t memoryBytes() const override;
 
@@ -87,9 +88,9 @@ class VolumeAt final : public MediumAt {
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeAt(const VolumeMedium& of, double moment, double factor);
+  VolumeSnapshot(const VolumeMedium& of, double moment, double factor);
   /// A copy in other light.
-  VolumeAt(const VolumeAt& other, std::shared_ptr<const VolumeLight> light);
+  VolumeSnapshot(const VolumeSnapshot& other, std::shared_ptr<const VolumeLight> light);
   AffineMap place() const;
   void addPlaced(AnyMedium medium, std::vector<AnyMedium>& media) const;
 
@@ -121,12 +122,12 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
       const std::string& path, const InputOptions& options, const Appearance& appearance,
       Reading& reading, std::shared_ptr<LoneFrame> frame = {});
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                             Progress& progress) override;
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress& progress) override;
   bool inMemory(double time) const override;
-  std::uint64_t surfacesKey(const InstantRequest& request) const override;
+  std::uint64_t surfacesKey(const SnapshotRequest& request) const override;
   /// A level set's, grey.
-  Status addSurfaces(const InstantRequest& request, TriangleMesh& to) const override;
+  Status addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const override;
   /// By what the file says of how much is in its frames.
   Result<std::optional<FirstTime>> firstTime(Progress& progress) override;
   /// The cubic basis where a voxel covers more than about 3 pixels, unless a basis is stated.
@@ -328,7 +329,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   VolumeLighting lighting_;
   double lightMoment_ = -1;
   bool lightIsWhole_ = false;  ///< else of the extinction alone
-  bool lightMoves_ = false;    ///< as InstantRequest::moving has it
+  bool lightMoves_ = false;    ///< as SnapshotRequest::moving has it
   std::shared_ptr<const VolumeLight> light_;
 
   mutable std::optional<std::vector<std::string>> gridNames_;
@@ -337,10 +338,10 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   bool damaged_ = false;
 };
 
-/// A volume drawn on a rectangle that faces the camera, at one instant.
-class BillboardAt final : public MediumAt {
+/// A volume drawn on a rectangle that faces the camera, at one time.
+class BillboardSnapshot final : public MediumSnapshot {
  public:
-  BillboardAt(std::shared_ptr<const VolumeAt> volume, const BillboardOptions& options)
+  BillboardSnapshot(std::shared_ptr<const VolumeSnapshot> volume, const BillboardOptions& options)
       : volume_(std::move(volume)), options_(options) {}
 
   /// Nothing: without a camera there is no rectangle.
@@ -348,12 +349,12 @@ class BillboardAt final : public MediumAt {
 
   Status addMediaFor(const Camera& camera, std::vector<AnyMedium>& media) const override;
 
-  const VolumeAt& volume() const { return *volume_; }
+  const VolumeSnapshot& volume() const { return *volume_; }
 
   const BillboardOptions& options() const { return options_; }
 
  private:
-  std::shared_ptr<const VolumeAt> volume_;
+  std::shared_ptr<const VolumeSnapshot> volume_;
   BillboardOptions options_;
 };
 
@@ -362,8 +363,8 @@ class BillboardMedium final : public VolumeMedium {
  public:
   BillboardMedium(const VolumeMedium& volume, const SceneBillboard& board);
 
-  Result<std::shared_ptr<const MediumAt>> at(const InstantRequest& request,
-                                             Progress& progress) override;
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
+                                                   Progress& progress) override;
 
   const BillboardOptions& options() const { return options_; }
 

@@ -10,7 +10,7 @@
 
 namespace volute {
 
-/// How each voxel's place at an instant between two frames was reached: where in the frame before
+/// How each voxel's place at a time between two frames was reached: where in the frame before
 /// it what is there came from, and where in the one after it it goes [voxels].
 struct VoxelPaths {
   using Step = std::array<float, 3>;
@@ -36,11 +36,11 @@ struct VoxelMap {
   }
 };
 
-/// An instant between two frames, whose grids may lie elsewhere in the world than that of the
+/// A time between two frames, whose grids may lie elsewhere in the world than that of the
 /// instant.
 struct BetweenFrames {
   double share = 0;            ///< of the time between the frames that has gone by, 0..1
-  VoxelMap before{}, after{};  ///< from a voxel of the instant to the same place in either frame
+  VoxelMap before{}, after{};  ///< from a voxel of the snapshot to the same place in either frame
 };
 
 /// The paths along a velocity that is known in both frames: straight ones, found by iterating

@@ -61,12 +61,12 @@ struct MediaLight {
   std::span<const AnyMedium> between{};  ///< all other media, with their physical extinction
 };
 
-/// A medium at one instant, immutable and shared between threads: what rays meet, and by query what
+/// A medium at one time, immutable and shared between threads: what rays meet, and by query what
 /// somebody can do faster or beyond rays. Extinctions are times the factor of the picture's law
 /// that it was asked for with.
-class MediumAt {
+class MediumSnapshot {
  public:
-  virtual ~MediumAt() = default;
+  virtual ~MediumSnapshot() = default;
 
   /// Appends what rays from anywhere meet: one medium, or several that overlap.
   virtual void addMedia(std::vector<AnyMedium>& media) const = 0;
@@ -87,14 +87,14 @@ class MediumAt {
   virtual bool drawsItself() const { return false; }
 
   /// Null, or what draws it at all pixels at once.
-  /// @param earlier  what this gave for another instant of the scene, which may serve; or null
+  /// @param earlier  what this gave for another snapshot of the scene, which may serve; or null
   virtual std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const {
     (void)earlier;
     return nullptr;
   }
 
   /// Null, or what looks nearly the same and is drawn much sooner: without surfaces' shadows.
-  virtual std::shared_ptr<const MediumAt> quick() const { return nullptr; }
+  virtual std::shared_ptr<const MediumSnapshot> quick() const { return nullptr; }
 
   /// Where it glows, and how strongly: lamps that shine everywhere, a bounded number, in the
   /// scene's place. Nothing takes from their light yet. Empty: it lights nothing but itself.
@@ -102,7 +102,7 @@ class MediumAt {
 
   /// The same in the light of other media besides all that shines at it anyway, and in their
   /// shadow; null: that changes nothing of it.
-  virtual std::shared_ptr<const MediumAt> litBy(const MediaLight& light) const {
+  virtual std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const {
     (void)light;
     return nullptr;
   }
@@ -110,7 +110,7 @@ class MediumAt {
   /// What it holds alone, about [bytes].
   virtual std::uint64_t memoryBytes() const { return 0; }
 
-  /// Whether it has less detail than one that rests: InstantRequest::moving.
+  /// Whether it has less detail than one that rests: SnapshotRequest::moving.
   virtual bool provisional() const { return false; }
 
   /// Whether it has walls of its own, which lookAtWalls() draws.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// The part of a SceneDocument that is one instant of it.
+// The part of SceneDocument that makes snapshots ready to be drawn.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -145,10 +145,11 @@ bool SceneDocument::coarseHelps(double time) const {
 }
 
 /// Light at the corners is found anew where it may have changed: lamps shine through media, and
-/// surfaces of media change from instant to instant.
+/// surfaces of media change from snapshot to snapshot.
 void SceneDocument::addSurfaces(const SceneRequest& request,
-                                const std::shared_ptr<const Snapshot>& snapshot, ViewScene& scene) {
-  const Snapshot& now = *snapshot;
+                                const std::shared_ptr<const SceneSnapshot>& snapshot,
+                                ViewScene& scene) {
+  const SceneSnapshot& now = *snapshot;
   if (!request.openGl || (now.geometry.empty() && !now.hasWalls()))
     return;
   const nlohmann::ordered_json lights = scene_.json().value("lights", nlohmann::ordered_json());
@@ -175,7 +176,8 @@ void SceneDocument::addSurfaces(const SceneRequest& request,
 }
 
 /// @param surfaces  and walls are in it
-CpuPicture SceneDocument::byCpu(std::shared_ptr<const Snapshot> snapshot, bool surfaces) const {
+CpuPicture SceneDocument::byCpu(std::shared_ptr<const SceneSnapshot> snapshot,
+                                bool surfaces) const {
   RenderOptions options{.background = snapshot->background};
   return [snapshot = std::move(snapshot), options, surfaces, held = drawer_](const Camera& camera,
                                                                              Progress& progress) {
@@ -198,7 +200,7 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
       scene_.at(
           {.time = request.time, .coarse = request.coarse, .moving = request.moving, .eye = eye},
           progress));
-  const auto snapshot = std::make_shared<const Snapshot>(std::move(taken));
+  const auto snapshot = std::make_shared<const SceneSnapshot>(std::move(taken));
   auto media = glSceneOf(*snapshot, {.smokeMethod = options_.smokeMethod});
   if (media)
     scene.media = std::move(*media);
@@ -221,7 +223,7 @@ Result<ViewScene> SceneDocument::sceneAt(const SceneRequest& request, Progress& 
     addGround(content(), scene.aids);
   scene.cpu = byCpu(snapshot, true);
   if (auto quick = snapshot->quick())
-    scene.preview = byCpu(std::make_shared<const Snapshot>(std::move(*quick)), true);
+    scene.preview = byCpu(std::make_shared<const SceneSnapshot>(std::move(*quick)), true);
   scene.inTiles = std::ranges::none_of(snapshot->media,
                                        [](const auto& medium) { return medium->drawsItself(); });
   for (const auto& medium : snapshot->media) {
