@@ -63,14 +63,14 @@ Floor makeFloor() {
 }
 
 /// @param bounded  as files of bytes are read: each value with what it may be at least and at most
-Result<std::vector<FdsInstant>> instantsOf(const Floor& floor, bool bounded) {
+Result<std::vector<FdsSightSnapshot>> snapshotsOf(const Floor& floor, bool bounded) {
   FdsLattice lattice;
   lattice.planes = floor.index.meshes[0].planes;
   VOLUTE_ASSIGN(const auto grid, FdsGrid::create({lattice}));
   auto cells = std::make_shared<std::vector<FdsCell>>();
   for (const unsigned char solid : floor.solid)
     cells->push_back(solid != 0 ? FdsCell::kSolid : FdsCell::kGas);
-  std::vector<FdsInstant> instants;
+  std::vector<FdsSightSnapshot> snapshots;
   for (const auto& extinction : floor.extinction) {
     auto values = std::make_shared<FdsValues>();
     values->value = extinction;
@@ -80,9 +80,9 @@ Result<std::vector<FdsInstant>> instantsOf(const Floor& floor, bool bounded) {
       values->low.push_back(0.9F * value);
       values->high.push_back(1.1F * value + 0.01F);
     }
-    instants.emplace_back(FdsField(grid, {values}, {cells}), FdsObstructions(floor.index, 0), 1);
+    snapshots.emplace_back(FdsField(grid, {values}, {cells}), FdsObstructions(floor.index, 0), 1);
   }
-  return instants;
+  return snapshots;
 }
 
 std::vector<SightTarget> threeSigns() {
@@ -174,27 +174,29 @@ Result<double> agreement(const ScratchFolder& scratch, int times,
 
 Status benchVisibility(const BenchInput&, BenchRows& rows, Progress& progress) {
   const Floor floor = makeFloor();
-  VOLUTE_ASSIGN(const auto instants, instantsOf(floor, false));
-  VOLUTE_ASSIGN(const auto bounded, instantsOf(floor, true));
+  VOLUTE_ASSIGN(const auto snapshots, snapshotsOf(floor, false));
+  VOLUTE_ASSIGN(const auto bounded, snapshotsOf(floor, true));
   const auto signs = threeSigns();
   const auto eyes = eyesOfPlan();
   std::vector<Sighting> sightings(signs.size() * eyes.size());
   // All is inside: the lines are worked out once for the 21 maps.
   const double seconds = medianSeconds([&] {
     Lookout lookout(std::uint64_t{512} << 20);
-    for (const FdsInstant& instant : instants) lookout.look(instant, signs, eyes, sightings, true);
+    for (const FdsSightSnapshot& snapshot : snapshots)
+      lookout.look(snapshot, signs, eyes, sightings, true);
   });
   const double direct =
-      medianSeconds([&] { lookAround(instants.back(), signs, eyes, sightings); }) * kTimes;
+      medianSeconds([&] { lookAround(snapshots.back(), signs, eyes, sightings); }) * kTimes;
   const double boundedSeconds = medianSeconds([&] {
     Lookout lookout(std::uint64_t{512} << 20);
-    for (const FdsInstant& instant : bounded) lookout.look(instant, signs, eyes, sightings, true);
+    for (const FdsSightSnapshot& snapshot : bounded)
+      lookout.look(snapshot, signs, eyes, sightings, true);
   });
   const double boundedDirect =
       medianSeconds([&] { lookAround(bounded.back(), signs, eyes, sightings); }) * kTimes;
   if (progress.cancelled())
     return fail(ErrorCode::kCancelled, "stopped before the loop in NumPy");
-  lookAround(instants.back(), signs, eyes, sightings);
+  lookAround(snapshots.back(), signs, eyes, sightings);
   const double lines = static_cast<double>(sightings.size()) * kTimes;
   VOLUTE_ASSIGN(const auto scratch, ScratchFolder::create());
   std::vector<float> smoke;

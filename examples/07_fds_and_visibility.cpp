@@ -37,10 +37,10 @@ volute::Status lookForTheExit(const char* file) {
     eyes.emplace_back(room.min.x() + share * room.size().x(), middle.y(), middle.z());
 
   for (std::size_t time = 0; time < smoke->times().size(); ++time) {
-    VOLUTE_ASSIGN(const auto instant, smoke->read(time));
-    VOLUTE_ASSIGN(const auto signs, volute::placeSigns(*instant, {&exit, 1}, room, quiet));
+    VOLUTE_ASSIGN(const auto snapshot, smoke->read(time));
+    VOLUTE_ASSIGN(const auto signs, volute::placeSigns(*snapshot, {&exit, 1}, room, quiet));
     std::vector<volute::Sighting> sightings(signs.size() * eyes.size());
-    volute::lookAround(*instant, signs, eyes, sightings);
+    volute::lookAround(*snapshot, signs, eyes, sightings);
     for (const volute::Sighting& seen : sightings) {
       fmt::print("{:6.1f} s, {:4.1f} m away: optical depth {:.3f}, {}\n", smoke->times()[time],
                  seen.distance, seen.depth,

@@ -367,7 +367,7 @@ class Sight {
     py::array_t<LineSight> out(static_cast<py::ssize_t>(from.size()));
     LineSight* sights = out.mutable_data();
     run(py::none(), [&](Progress&) -> Status {
-      VOLUTE_ASSIGN(const auto at, instant(time));
+      VOLUTE_ASSIGN(const auto at, snapshot(time));
       parallelRanges(from.size(), 64, [&](std::size_t begin, std::size_t end) {
         std::vector<SightLine> lines;
         for (std::size_t i = begin; i < end; ++i) lines.push_back({from[i], to[i]});
@@ -397,7 +397,7 @@ class Sight {
       for (std::size_t t = 0; t < times.size(); ++t) {
         if (progress.cancelled())
           return fail(ErrorCode::kCancelled, "stopped");
-        VOLUTE_ASSIGN(const auto at, instant(times[t]));
+        VOLUTE_ASSIGN(const auto at, snapshot(times[t]));
         VOLUTE_ASSIGN(const auto targets, placeSigns(*at, signs, bounds_, progress));
         lookAround(*at, targets, from, std::span(all).subspan(t * each, each));
         progress.report("looking", static_cast<double>(t + 1), static_cast<double>(times.size()));
@@ -432,7 +432,7 @@ class Sight {
  private:
   Status open() {
     Progress quiet;
-    instant_ = nullptr;
+    snapshot_ = nullptr;
     VOLUTE_ASSIGN(field_, lookedThrough(path_, scene_, options_, quiet));
     times_.assign(field_->times().begin(), field_->times().end());
     bounds_ = field_->bounds();
@@ -443,26 +443,26 @@ class Sight {
   }
 
   /// Fields are read forwards: for an earlier time they are opened again.
-  Result<std::shared_ptr<const SightInstant>> instant(std::size_t time) {
+  Result<std::shared_ptr<const SightSnapshot>> snapshot(std::size_t time) {
     VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
     if (time >= times_.size()) {
       return fail(ErrorCode::kInvalidArgument, "there is no stored time {}; there are {}", time,
                   times_.size());
     }
-    if (instant_ && time < time_)
+    if (snapshot_ && time < time_)
       VOLUTE_TRY(open());
-    if (!instant_ || time != time_) {
-      VOLUTE_ASSIGN(instant_, field_->read(time));
+    if (!snapshot_ || time != time_) {
+      VOLUTE_ASSIGN(snapshot_, field_->read(time));
       time_ = time;
     }
-    return instant_;
+    return snapshot_;
   }
 
   std::string path_, scene_;
   SceneOptions options_;
   std::mutex mutex_;  // of what follows
   std::unique_ptr<SightField> field_;
-  std::shared_ptr<const SightInstant> instant_;
+  std::shared_ptr<const SightSnapshot> snapshot_;
   std::size_t time_ = 0;
   std::vector<double> times_;
   Box3 bounds_;

@@ -148,13 +148,13 @@ TEST(FifthMedium, IsCrossedBySightLines) {
                         .law = *visibilityLaw("jin-reflecting"),
                         .angle = {}};
   for (const std::size_t time : {0, 2}) {
-    const auto instant = (*field)->read(time);
-    ASSERT_TRUE(instant);
-    const auto targets = placeSigns(**instant, {&sign, 1}, (*field)->bounds(), quiet);
+    const auto snapshot = (*field)->read(time);
+    ASSERT_TRUE(snapshot);
+    const auto targets = placeSigns(**snapshot, {&sign, 1}, (*field)->bounds(), quiet);
     ASSERT_TRUE(targets);
     const Vec3 eye(-3, 0, 0);
     Sighting seen;
-    lookAround(**instant, *targets, {&eye, 1}, {&seen, 1});
+    lookAround(**snapshot, *targets, {&eye, 1}, {&seen, 1});
     EXPECT_NEAR(seen.depth, kThrough * 1.5 * (1 + 0.5 * static_cast<double>(time)), 1e-9);
     EXPECT_EQ(seen.visible, seen.depth <= 3);
   }

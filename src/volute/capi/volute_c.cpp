@@ -51,7 +51,7 @@ struct volute_scene {
   std::unique_ptr<volute::SightField> field;
   std::mutex mutex;  // of what follows
   std::size_t time = 0;
-  std::shared_ptr<const volute::SightInstant> instant;
+  std::shared_ptr<const volute::SightSnapshot> snapshot;
 };
 
 struct volute_engine {
@@ -443,25 +443,25 @@ Status writeFilmOf(volute_drawing& drawing, const volute_view& view, const volut
 }
 
 /// The scene at a stored time. It is read once; lines are looked along without the lock.
-Result<std::shared_ptr<const SightInstant>> instantOf(volute_scene& scene, std::size_t time) {
+Result<std::shared_ptr<const SightSnapshot>> snapshotOf(volute_scene& scene, std::size_t time) {
   VOLUTE_ASSIGN(const auto lock, waitFor(scene.mutex, "the scene"));
   if (time >= scene.field->times().size()) {
     return fail(ErrorCode::kInvalidArgument, "volute_scene_look: there is no time {}; there are {}",
                 time, scene.field->times().size());
   }
-  if (scene.instant && time < scene.time) {
+  if (scene.snapshot && time < scene.time) {
     return fail(ErrorCode::kInvalidArgument,
                 "volute_scene_look: time {} after time {}; open the scene again to go back", time,
                 scene.time);
   }
-  if (!scene.instant || time != scene.time) {
-    VOLUTE_ASSIGN(scene.instant, scene.field->read(time));
+  if (!scene.snapshot || time != scene.time) {
+    VOLUTE_ASSIGN(scene.snapshot, scene.field->read(time));
     scene.time = time;
   }
-  return scene.instant;
+  return scene.snapshot;
 }
 
-Status look(const SightInstant& instant, const double* lines, std::size_t count,
+Status look(const SightSnapshot& snapshot, const double* lines, std::size_t count,
             volute_sight* sights) {
   for (std::size_t i = 0; i < 6 * count; ++i) {
     if (!std::isfinite(lines[i]))
@@ -474,7 +474,7 @@ Status look(const SightInstant& instant, const double* lines, std::size_t count,
       const double* line = lines + 6 * i;
       asked[i - begin] = {Vec3(line[0], line[1], line[2]), Vec3(line[3], line[4], line[5])};
     }
-    instant.look(asked, seen);
+    snapshot.look(asked, seen);
     for (std::size_t i = begin; i < end; ++i) {
       const Sight& sight = seen[i - begin];
       sights[i] = {sight.depth, sight.low, sight.high, sight.covered, sight.blocked};
@@ -1020,8 +1020,8 @@ volute_status volute_scene_look(volute_scene* scene, size_t time, const double* 
                                 volute_sight* sights) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_scene_look", scene, lines, sights));
-    VOLUTE_ASSIGN(const auto instant, volute::instantOf(*scene, time));
-    return volute::look(*instant, lines, count, sights);
+    VOLUTE_ASSIGN(const auto snapshot, volute::snapshotOf(*scene, time));
+    return volute::look(*snapshot, lines, count, sights);
   });
 }
 

@@ -199,12 +199,12 @@ std::optional<Answers> judge(const Fire& fire, const Sources& sources) {
     loss.loseAll();
   for (std::size_t i = 0; i < (*field)->times().size(); ++i) {
     const double time = (*field)->times()[i];
-    auto instant = (*field)->read(i).value();
+    auto snapshot = (*field)->read(i).value();
     std::vector<Sighting> seen(kEyes.size());
-    lookAround(*instant, targets, kEyes, seen);
+    lookAround(*snapshot, targets, kEyes, seen);
     loss.update(time, seen);
     std::vector<double> low(kEyes.size()), high(kEyes.size());
-    instant->extinctionBounds(kEyes, low, high);
+    snapshot->extinctionBounds(kEyes, low, high);
     EXPECT_TRUE(meter.advance(
         time, [](double, std::span<Vec3> out) { std::ranges::copy(kEyes, out.begin()); },
         {high, low}, kStep));

@@ -37,14 +37,14 @@ Json signsJson(const Survey& survey) {
 }
 
 /// A lamp that shines down from a little below the highest gas over a point.
-Json lampOver(const Vec3& point, const SightInstant& instant, const Box3& bounds) {
+Json lampOver(const Vec3& point, const SightSnapshot& snapshot, const Box3& bounds) {
   constexpr int kSteps = 100;
   const double step = (bounds.max[2] - point[2]) / kSteps;
   Vec3 lamp = point;
   for (int i = 0; i < kSteps; ++i) {
     const Vec3 higher = point + Vec3(0, 0, i * step);
     Place place{};
-    instant.places({&higher, 1}, {&place, 1});
+    snapshot.places({&higher, 1}, {&place, 1});
     if (place != Place::kGas)
       break;
     lamp = point + Vec3(0, 0, 0.9 * i * step);
@@ -57,11 +57,11 @@ Json lampOver(const Vec3& point, const SightInstant& instant, const Box3& bounds
 }
 
 /// Over the eye, the sign and between them.
-Json lampsBetween(const Vec3& eye, const Vec3& sign, const SightInstant& instant,
+Json lampsBetween(const Vec3& eye, const Vec3& sign, const SightSnapshot& snapshot,
                   const Box3& bounds) {
   Json lamps = Json::array();
   for (const double share : {0.0, 0.5, 0.9})
-    lamps.push_back(lampOver(eye + share * (sign - eye), instant, bounds));
+    lamps.push_back(lampOver(eye + share * (sign - eye), snapshot, bounds));
   return lamps;
 }
 
@@ -77,7 +77,7 @@ Json evenLight() {
 /// can.
 std::pair<const SightTarget*, bool> nearestInSight(const Vec3& eye,
                                                    std::span<const SightTarget> signs,
-                                                   const SightInstant& first) {
+                                                   const SightSnapshot& first) {
   std::vector<Sighting> sightings(signs.size());
   lookAround(first, signs, {&eye, 1}, sightings);
   const SightTarget* nearest = nullptr;
@@ -127,7 +127,7 @@ Result<SignViews> SignViews::make(std::vector<Vec3> eyes, const std::string& pat
   return views;
 }
 
-Status SignViews::begin(const Survey& survey, const SightInstant& first) {
+Status SignViews::begin(const Survey& survey, const SightSnapshot& first) {
   if (eyes_.empty())
     return {};
   std::error_code error;

@@ -30,7 +30,7 @@ class SignViews final : public SurveyPictures {
                                               Reading& reading);
 
   /// Writes the scenes.
-  [[nodiscard]] Status begin(const Survey& survey, const SightInstant& first) override;
+  [[nodiscard]] Status begin(const Survey& survey, const SightSnapshot& first) override;
 
   /// Renders; adds the pictures to the report and returns their part of the page.
   [[nodiscard]] Result<std::string> finish(const Survey& survey, Json& report) override;

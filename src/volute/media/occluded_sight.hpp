@@ -11,15 +11,15 @@
 
 namespace volute {
 
-/// Another instant, with surfaces in the way, which carry people, too. Derives from the pure
-/// interface, not from BasicSightInstant, so that no function of the other instant is lost.
-class OccludedSight final : public SightInstant {
+/// Another snapshot, with surfaces in the way, which carry people, too. Derives from the pure
+/// interface, not from BasicSightSnapshot, so that no function of the other snapshot is lost.
+class OccludedSight final : public SightSnapshot {
  public:
   /// Whether surfaces are sheets, or closed bodies whose triangles face outwards: within those
   /// something solid stands.
   enum class Surfaces { kSheets, kBodies };
 
-  OccludedSight(std::shared_ptr<const SightInstant> media, TriangleScene surfaces,
+  OccludedSight(std::shared_ptr<const SightSnapshot> media, TriangleScene surfaces,
                 Surfaces what = Surfaces::kSheets)
       : media_(std::move(media)), surfaces_(std::move(surfaces)), what_(what) {}
 
@@ -49,7 +49,7 @@ class OccludedSight final : public SightInstant {
   std::vector<std::uint8_t> occluded(std::span<const SightLine> lines) const;
   std::vector<std::uint8_t> within(std::span<const Vec3> points) const;
 
-  std::shared_ptr<const SightInstant> media_;
+  std::shared_ptr<const SightSnapshot> media_;
   TriangleScene surfaces_;
   Surfaces what_;
 };

@@ -11,9 +11,9 @@ Segment lineSegment(const SightLine& line) {
   return {line.eye, direction, 0, length};
 }
 
-class RayInstant final : public BasicSightInstant {
+class RaySightSnapshot final : public BasicSightSnapshot {
  public:
-  explicit RayInstant(std::vector<AnyMedium> media) : media_(std::move(media)) {}
+  explicit RaySightSnapshot(std::vector<AnyMedium> media) : media_(std::move(media)) {}
 
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override {
     std::vector<Segment> segments;
@@ -48,7 +48,7 @@ std::string RaySight::description() const {
   return fmt::format("{}: {}, along rays", medium_->info().file, medium_->info().what);
 }
 
-Result<std::shared_ptr<const SightInstant>> RaySight::readOwn(std::size_t time) {
+Result<std::shared_ptr<const SightSnapshot>> RaySight::readOwn(std::size_t time) {
   Progress quiet;
   VOLUTE_ASSIGN(const auto now, medium_->at({.time = medium_->info().times[time]}, quiet));
   std::vector<AnyMedium> media;
@@ -56,8 +56,8 @@ Result<std::shared_ptr<const SightInstant>> RaySight::readOwn(std::size_t time) 
   return sightThrough(std::move(media));
 }
 
-std::shared_ptr<const SightInstant> sightThrough(std::vector<AnyMedium> media) {
-  return std::make_shared<const RayInstant>(std::move(media));
+std::shared_ptr<const SightSnapshot> sightThrough(std::vector<AnyMedium> media) {
+  return std::make_shared<const RaySightSnapshot>(std::move(media));
 }
 
 }  // namespace volute

@@ -26,13 +26,13 @@ class RaySight final : public SightField {
  protected:
   Box3 ownBounds() const override { return medium_->info().bounds; }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override;
 
  private:
   std::shared_ptr<SceneMedium> medium_;
 };
 
 /// Media at one time, seen through as they are by nature.
-std::shared_ptr<const SightInstant> sightThrough(std::vector<AnyMedium> media);
+std::shared_ptr<const SightSnapshot> sightThrough(std::vector<AnyMedium> media);
 
 }  // namespace volute

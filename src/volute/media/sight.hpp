@@ -99,11 +99,11 @@ struct SightData {
 
 /// A medium and what is opaque in it at one stored time. All calls are const and thread-safe.
 ///
-/// Every function is pure, so that a class that wraps an instant does not compile until it passes
-/// on a function that is added here. Media derive from BasicSightInstant, which has defaults.
-class SightInstant {
+/// Every function is pure, so that a class that wraps a snapshot does not compile until it passes
+/// on a function that is added here. Media derive from BasicSightSnapshot, which has defaults.
+class SightSnapshot {
  public:
-  virtual ~SightInstant() = default;
+  virtual ~SightSnapshot() = default;
 
   /// Fills sights[i] for lines[i]. Called from many threads, each with a batch of its own.
   virtual void look(std::span<const SightLine> lines, std::span<Sight> sights) const = 0;
@@ -134,9 +134,9 @@ class SightInstant {
   /// [m]; the field's lower border is one. NaN: there is none, as in a shaft or a void.
   virtual void floors(std::span<const Vec3> points, double drop, std::span<double> z) const = 0;
 
-  /// Optical depths are linear in the stored values. Instants of one field with the same geometry()
-  /// have the same weights: lines are worked out once and then summed at each time. 0: this field
-  /// has none.
+  /// Optical depths are linear in the stored values. Snapshots of one field with the same
+  /// geometry() have the same weights: lines are worked out once and then summed at each time. 0:
+  /// this field has none.
   virtual std::uint64_t geometry() const = 0;
 
   /// Appends the weights of a line; sets `covered` and `blocked` of the sight.
@@ -148,7 +148,7 @@ class SightInstant {
 };
 
 /// A snapshot of a medium that knows no bounds, shapes or weights, unless it overrides them.
-class BasicSightInstant : public SightInstant {
+class BasicSightSnapshot : public SightSnapshot {
  public:
   void bounds(std::span<const SightLine>, std::span<double> low,
               std::span<double> high) const override {
@@ -323,13 +323,13 @@ struct CaseFacts {
 /// forget to pass a function on.
 class SightField {
  public:
-  /// Puts something between an instant and who looks.
+  /// Puts something between a snapshot and who looks.
   using Wrap =
-      std::function<std::shared_ptr<const SightInstant>(std::shared_ptr<const SightInstant>)>;
+      std::function<std::shared_ptr<const SightSnapshot>(std::shared_ptr<const SightSnapshot>)>;
 
   virtual ~SightField() = default;
 
-  /// From now on instants are given as `wrap` returns them, and bounds() is `bounds`.
+  /// From now on snapshots are given as `wrap` returns them, and bounds() is `bounds`.
   void wrap(Wrap wrap, const Box3& bounds) {
     wrap_ = std::move(wrap);
     wrappedBounds_ = bounds;
@@ -377,7 +377,7 @@ class SightField {
 
   /// Reads one stored time, a position in times(). Asked in ascending order, each once; what was
   /// given before need not stay cheap to make again.
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> read(std::size_t time) {
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> read(std::size_t time) {
     return wrapped(readOwn(time));
   }
 
@@ -391,7 +391,7 @@ class SightField {
   /// The same between stored times: the medium is interpolated, what is opaque is that of the time.
   /// For fields that interpolates(), which those with changes() must; asked in ascending order
   /// together with read().
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readAt(double time) {
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readAt(double time) {
     return wrapped(readOwnAt(time));
   }
 
@@ -411,16 +411,16 @@ class SightField {
  protected:
   // bounds(), read() and readAt() of the medium alone.
   virtual Box3 ownBounds() const = 0;
-  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) = 0;
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) = 0;
 
-  [[nodiscard]] virtual Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) {
+  [[nodiscard]] virtual Result<std::shared_ptr<const SightSnapshot>> readOwnAt(double time) {
     return fail(ErrorCode::kUnsupported, "{}: has nothing between its stored times ({} s)",
                 description(), time);
   }
 
  private:
-  Result<std::shared_ptr<const SightInstant>> wrapped(
-      Result<std::shared_ptr<const SightInstant>> own) const {
+  Result<std::shared_ptr<const SightSnapshot>> wrapped(
+      Result<std::shared_ptr<const SightSnapshot>> own) const {
     if (wrap_ && own)
       return wrap_(std::move(*own));
     return own;

@@ -189,10 +189,10 @@ TEST(OwnKind, SightLinesGoThroughIt) {
   const auto field = sightOf(std::move(*scene), {}, quiet);
   ASSERT_TRUE(field) << field.error().message;
   EXPECT_EQ((*field)->times().size(), 2U);
-  const auto instant = (*field)->read(0);
+  const auto snapshot = (*field)->read(0);
   const SightLine line{Vec3(-5, 0, 0), Vec3(5, 0, 0)};
   Sight sight;
-  (*instant)->look({&line, 1}, {&sight, 1});
+  (*snapshot)->look({&line, 1}, {&sight, 1});
   EXPECT_NEAR(sight.depth, 2, 1e-12);
 }
 

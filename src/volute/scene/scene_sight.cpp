@@ -58,7 +58,7 @@ class SceneSight final : public SightField {
  protected:
   Box3 ownBounds() const override { return bounds_; }
 
-  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
+  Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
     Progress quiet;
     VOLUTE_ASSIGN(const auto snapshot, scene_.at({.time = times_[time], .lit = false}, quiet));
     std::vector<AnyMedium> all;
@@ -87,7 +87,7 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   VOLUTE_ASSIGN(auto only, scene.media()[0]->sight(reading));
   if (!scene.geometry().empty()) {
     only->wrap(
-        [surfaces = scene.geometry()](std::shared_ptr<const SightInstant> media) {
+        [surfaces = scene.geometry()](std::shared_ptr<const SightSnapshot> media) {
           return std::make_shared<const OccludedSight>(std::move(media), surfaces);
         },
         scene.bounds());

@@ -32,7 +32,7 @@ class Layer final : public SightField {
  protected:
   Box3 ownBounds() const override { return {{0, 0, 1}, {1, 1, source_ == "tall" ? 3.0 : 2.0}}; }
 
-  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t) override {
+  Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t) override {
     return sightThrough({});
   }
 
@@ -103,13 +103,13 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
 }
 
 // There is no class that passes on what a field says, and could forget some of it.
-TEST(SightField, WrappingChangesBoundsAndInstantsAlone) {
+TEST(SightField, WrappingChangesBoundsAndSnapshotsAlone) {
   Layer layer("flat");
   const auto other = sightThrough({});
   const Box3 bounds{{-1, -1, -1}, {5, 5, 5}};
   int calls = 0;
   layer.wrap(
-      [&](const std::shared_ptr<const SightInstant>& own) {
+      [&](const std::shared_ptr<const SightSnapshot>& own) {
         EXPECT_NE(own, nullptr);
         ++calls;
         return other;

@@ -16,7 +16,7 @@ using ::testing::HasSubstr;
 using testing::TempFolder;
 
 /// A building of walls, which may be thin, and of doors that are open at the first time.
-class Building final : public BasicSightInstant {
+class Building final : public BasicSightSnapshot {
  public:
   explicit Building(std::vector<PlanShape> shapes) : shapes_(std::move(shapes)) {}
 

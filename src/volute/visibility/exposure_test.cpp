@@ -71,7 +71,7 @@ class BurningRoom final : public SightField {
  protected:
   Box3 ownBounds() const override { return Room::bounds(); }
 
-  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
+  Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
     return std::make_shared<const Room>(0.01 * times_[time]);
   }
 
@@ -269,7 +269,7 @@ class RoomOfMeans final : public SightField {
  protected:
   Box3 ownBounds() const override { return Room::bounds(); }
 
-  Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t) override {
+  Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t) override {
     return std::make_shared<const Room>(0.1);
   }
 

@@ -46,7 +46,7 @@ Status needColumns(const TableReader& table, std::initializer_list<std::size_t> 
 
 }  // namespace
 
-Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds, double height,
+Result<FloorPlan> floorPlan(const SightSnapshot& snapshot, const Box3& bounds, double height,
                             double step) {
   constexpr double kMax = 4e6;
   const double nx = std::ceil(bounds.size()[0] / step - 1e-6);
@@ -66,7 +66,7 @@ Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds, dou
   parallelRanges(plan.size(), 1024, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3> points;
     for (std::size_t i = begin; i < end; ++i) points.push_back(plan.at(i));
-    instant.places(points, std::span(plan.places).subspan(begin, end - begin));
+    snapshot.places(points, std::span(plan.places).subspan(begin, end - begin));
   });
   return plan;
 }

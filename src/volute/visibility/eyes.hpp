@@ -18,7 +18,7 @@ namespace volute {
 
 /// The points of a plan over `bounds` at a height, and whether they are obstructed at that time.
 /// The grid starts at the bounds' lower corner; at most 4 million points.
-[[nodiscard]] Result<FloorPlan> floorPlan(const SightInstant& instant, const Box3& bounds,
+[[nodiscard]] Result<FloorPlan> floorPlan(const SightSnapshot& snapshot, const Box3& bounds,
                                           double height, double step);
 
 /// An escape route: straight from point to point.

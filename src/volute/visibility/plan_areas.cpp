@@ -427,7 +427,7 @@ std::vector<double> PlanAreas::sizes() const {
   return sizes;
 }
 
-Result<PlanAreas> planAreas(const Survey& survey, const SightInstant& first,
+Result<PlanAreas> planAreas(const Survey& survey, const SightSnapshot& first,
                             std::span<const Vec3> eyes, Progress& progress) {
   PlanAreas areas;
   areas.of.assign(eyes.size(), -1);

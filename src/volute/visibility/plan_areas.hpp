@@ -49,7 +49,7 @@ struct PlanAreas {
 
 /// Finds the rooms of a plan; the survey's areas win over them. Refuses areas of the plan's storey
 /// that hold none of its points.
-[[nodiscard]] Result<PlanAreas> planAreas(const Survey& survey, const SightInstant& first,
+[[nodiscard]] Result<PlanAreas> planAreas(const Survey& survey, const SightSnapshot& first,
                                           std::span<const Vec3> eyes, Progress& progress);
 
 /// What is left after the time that people need, at each place of a plan [s].

@@ -692,7 +692,7 @@ std::vector<PlanMark> emptyMarks(const FloorPlan& plan) {
   return marks;
 }
 
-std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
+std::vector<SightTarget> signsOfStorey(const SightSnapshot& snapshot,
                                        std::span<const SightTarget> signs, double height) {
   constexpr double kNear = 1.5;  // [m]: no floor lies between, furniture may
   std::vector<SightTarget> shown;
@@ -702,7 +702,7 @@ std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
     if (std::abs(sign.target.z() - height) > kNear) {
       const SightLine line{below, sign.target};
       Sight sight;
-      instant.look({&line, 1}, {&sight, 1});
+      snapshot.look({&line, 1}, {&sight, 1});
       apart = sight.blocked;
     }
     if (!apart)

@@ -60,7 +60,7 @@ struct PlanPicture {
 
 /// The signs that a plan at a height [m] shows: those of its storey, not those with a floor
 /// between.
-std::vector<SightTarget> signsOfStorey(const SightInstant& instant,
+std::vector<SightTarget> signsOfStorey(const SightSnapshot& snapshot,
                                        std::span<const SightTarget> signs, double height);
 
 /// Draws it in linear RGB.

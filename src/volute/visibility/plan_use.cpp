@@ -21,7 +21,7 @@ bool isIn(const FirePlace& fire, const Vec3& eye, double floor) {
 }
 
 /// Eyes without head room: the floor is near, and something is not far above.
-void findLow(const SightInstant& first, std::span<const Vec3> eyes, std::span<const double> floors,
+void findLow(const SightSnapshot& first, std::span<const Vec3> eyes, std::span<const double> floors,
              PlanUse& use) {
   constexpr double kStride = 0.1;  // [m]
   for (std::size_t i = 0; i < eyes.size(); ++i) {
@@ -132,7 +132,7 @@ std::string PlanUse::words() const {
   return words;
 }
 
-std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds, double height,
+std::vector<double> standOnFloors(const SightSnapshot& first, const Box3& bounds, double height,
                                   std::span<Vec3> eyes, Progress& progress) {
   constexpr double kLowest = 1.2;  // eyes above a floor, where the field ends above them [m]
   constexpr double kTallest = 2;   // eyes above a floor [m]
@@ -187,7 +187,7 @@ std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds,
   return floors;
 }
 
-PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
+PlanUse planUse(const Survey& survey, const SightSnapshot& first, const FloorPlan& plan,
                 std::span<const std::size_t> places, std::span<const Vec3> eyes,
                 std::span<const double> floors, Progress& progress) {
   PlanUse use{std::vector(eyes.size(), PlanUse::Kind::kPeople)};

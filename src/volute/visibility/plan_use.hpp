@@ -54,13 +54,13 @@ struct PlanUse {
 /// is none. Eyes above floors that are higher than the plan's by more than a step, as on ramps,
 /// stairs and stages, are lifted as far above them, as far as there is gas; how many is a remark.
 /// @param bounds  of the field
-std::vector<double> standOnFloors(const SightInstant& first, const Box3& bounds, double height,
+std::vector<double> standOnFloors(const SightSnapshot& first, const Box3& bounds, double height,
                                   std::span<Vec3> eyes, Progress& progress);
 
 /// Of eyes at the first time, `places` of the plan, above floors as standOnFloors() gives them.
 /// With Survey::everywhere, and where no point has a floor, all of them are for people; the latter
 /// is a remark.
-PlanUse planUse(const Survey& survey, const SightInstant& first, const FloorPlan& plan,
+PlanUse planUse(const Survey& survey, const SightSnapshot& first, const FloorPlan& plan,
                 std::span<const std::size_t> places, std::span<const Vec3> eyes,
                 std::span<const double> floors, Progress& progress);
 

@@ -33,7 +33,7 @@ constexpr double kFar = 30;
 
 class PlanWatch final : public Watch {
  public:
-  Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
+  Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
     progress_ = &progress;
     VOLUTE_ASSIGN(plan_, floorPlan(first, survey.bounds, survey.height, survey.step));
@@ -155,10 +155,10 @@ class PlanWatch final : public Watch {
     return {};
   }
 
-  Status draw(const SurveyTime& at, const SightInstant& instant) const override {
+  Status draw(const SurveyTime& at, const SightSnapshot& snapshot) const override {
     if (survey_->maps == Survey::Maps::kNone)
       return {};
-    return writeMaps(at, instant.shapes(plan_.origin[2]));
+    return writeMaps(at, snapshot.shapes(plan_.origin[2]));
   }
 
   double end() const override { return tenability_ ? tenability_->end() : Watch::end(); }

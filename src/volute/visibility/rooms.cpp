@@ -44,7 +44,7 @@ void lowerEnvelope(std::span<double> row) {
 /// Squares with walls, and how far each is from one.
 class Map {
  public:
-  Map(const SightInstant& first, const Box3& bounds, double height) {
+  Map(const SightSnapshot& first, const Box3& bounds, double height) {
     constexpr double kFinest = 0.1, kMax = 60'000;  // [m], points
     const Vec3 size = bounds.max - bounds.min;
     spacing_ = std::max(kFinest, std::sqrt(size.x() * size.y() / kMax));
@@ -102,7 +102,7 @@ class Map {
   }
 
   /// Squares that are points.
-  void readPoints(const SightInstant& first) {
+  void readPoints(const SightSnapshot& first) {
     const std::size_t count = static_cast<std::size_t>(px_) * static_cast<std::size_t>(py_);
     parallelRanges(count, 1024, [&](std::size_t begin, std::size_t end) {
       std::vector<Vec3> points;
@@ -137,7 +137,7 @@ class Map {
   }
 
   /// Squares between points: thin walls stand there.
-  void readLines(const SightInstant& first) {
+  void readLines(const SightSnapshot& first) {
     for (const bool up : {false, true}) {
       const int lastX = px_ - (up ? 0 : 1), lastY = py_ - (up ? 1 : 0);
       parallelRanges(static_cast<std::size_t>(std::max(0, lastY)), 4,
@@ -154,7 +154,7 @@ class Map {
     }
   }
 
-  void readLine(const SightInstant& first, int y, int lastX, bool up) {
+  void readLine(const SightSnapshot& first, int y, int lastX, bool up) {
     const Vec3 step = up ? Vec3(0, spacing_, 0) : Vec3(spacing_, 0, 0);
     std::vector<SightLine> lines;
     std::vector<std::size_t> squares;
@@ -433,7 +433,7 @@ int Rooms::at(const Vec2& point, double reach) const {
   return found;
 }
 
-Rooms findRooms(const SightInstant& first, const Box3& bounds, double height) {
+Rooms findRooms(const SightSnapshot& first, const Box3& bounds, double height) {
   const Map map(first, bounds, height);
   Rooms rooms;
   rooms.origin = map.origin();

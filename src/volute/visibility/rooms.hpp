@@ -48,6 +48,6 @@ struct Rooms {
 };
 
 /// Of all places that can be seen from at a height, with doors shut that are so at any time.
-Rooms findRooms(const SightInstant& first, const Box3& bounds, double height);
+Rooms findRooms(const SightSnapshot& first, const Box3& bounds, double height);
 
 }  // namespace volute

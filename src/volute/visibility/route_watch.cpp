@@ -54,7 +54,7 @@ class RouteWatch final : public Watch {
     }
   }
 
-  Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
+  Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
     VOLUTE_TRY(checkSigns());
     firstStations_ = {0};
@@ -223,7 +223,7 @@ class RouteWatch final : public Watch {
   }
 
   /// Where routes lead through walls, at the first time.
-  void noteWalls(const SightInstant& first, Progress& progress) const {
+  void noteWalls(const SightSnapshot& first, Progress& progress) const {
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       std::vector<SightLine> lines;
       std::vector<double> from;

@@ -37,13 +37,13 @@ Result<SightEngine> SightEngine::open(std::shared_ptr<SightField> field,
   return engine;
 }
 
-Result<std::shared_ptr<const SightInstant>> SightEngine::stored(std::size_t index) {
+Result<std::shared_ptr<const SightSnapshot>> SightEngine::stored(std::size_t index) {
   if (const auto found = held_.find(index); found != held_.end())
     return found->second;
-  VOLUTE_ASSIGN(auto instant, field_->read(index));
+  VOLUTE_ASSIGN(auto snapshot, field_->read(index));
   if (held_.size() == 2)
     held_.erase(held_.begin()->first < index ? held_.begin() : std::prev(held_.end()));
-  return held_[index] = std::move(instant);
+  return held_[index] = std::move(snapshot);
 }
 
 /// Whether something opaque has come or gone since a stored time.
@@ -56,14 +56,14 @@ bool SightEngine::knows(double t) const {
   return storedPlace(field_->times(), t).has_value();
 }
 
-Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
+Result<SightEngine::Snapshots> SightEngine::snapshotsAt(double t) {
   if (t == time_)
-    return instants_;
+    return snapshots_;
   const auto times = field_->times();
   const double within = std::clamp(t, times.front(), times.back());
   const auto after = std::ranges::upper_bound(times, within);
   const auto first = static_cast<std::size_t>(after - times.begin()) - 1;
-  Instants now;
+  Snapshots now;
   if (times[first] == within || first + 1 == times.size()) {
     VOLUTE_ASSIGN(now.before, stored(first));
   } else if (field_->interpolates() && (small_ || changed(times[first], within))) {
@@ -74,7 +74,7 @@ Result<SightEngine::Instants> SightEngine::instantsAt(double t) {
     now.share = (within - times[first]) / (times[first + 1] - times[first]);
   }
   time_ = t;
-  instants_ = now;
+  snapshots_ = now;
   return now;
 }
 
@@ -84,11 +84,11 @@ Status SightEngine::sees(std::span<const Vec3> eyes, double t, std::span<Seen> o
     std::ranges::fill(out, Seen::kCannotTell);
     return {};
   }
-  VOLUTE_ASSIGN(const Instants now, instantsAt(t));
-  // What instants make once is made here: in the loop a thread might wait for itself.
-  for (const auto& instant : {now.before, now.after}) {
-    if (instant)
-      instant->bounds({}, {}, {});
+  VOLUTE_ASSIGN(const Snapshots now, snapshotsAt(t));
+  // What snapshots make once is made here: in the loop a thread might wait for itself.
+  for (const auto& snapshot : {now.before, now.after}) {
+    if (snapshot)
+      snapshot->bounds({}, {}, {});
   }
   const std::size_t batches = (eyes.size() + kAgents - 1) / kAgents;
   parallelRanges(signs_.size() * batches, 1, [&](std::size_t begin, std::size_t end) {
@@ -131,7 +131,7 @@ Status SightEngine::sees(std::span<const Vec3> eyes, double t, std::span<Seen> o
 }
 
 std::pair<std::vector<double>, std::vector<double>> SightEngine::boundsOf(
-    const Instants& now, std::span<const SightLine> lines) {
+    const Snapshots& now, std::span<const SightLine> lines) {
   std::vector<double> low(lines.size()), high(lines.size());
   now.before->bounds(lines, low, high);
   if (now.after) {
@@ -148,7 +148,7 @@ std::pair<std::vector<double>, std::vector<double>> SightEngine::boundsOf(
 }
 
 /// Along each line; none is blocked.
-void SightEngine::lookExactly(const Instants& now, const Lines& lines, std::span<Seen> out) {
+void SightEngine::lookExactly(const Snapshots& now, const Lines& lines, std::span<Seen> out) {
   if (lines.size() == 0)
     return;
   std::vector<Sight> sights(lines.size()), later(now.after ? lines.size() : 0);
@@ -173,7 +173,7 @@ Status SightEngine::extinction(std::span<const Vec3> eyes, double t, std::span<d
     std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
     return {};
   }
-  VOLUTE_ASSIGN(const Instants now, instantsAt(t));
+  VOLUTE_ASSIGN(const Snapshots now, snapshotsAt(t));
   parallelRanges(eyes.size(), 256, [&](std::size_t begin, std::size_t end) {
     const auto part = out.subspan(begin, end - begin);
     now.before->extinction(eyes.subspan(begin, end - begin), part);
@@ -190,7 +190,7 @@ Status SightEngine::largestExtinction(std::span<const Vec3> eyes, double t, std:
   std::ranges::fill(out, std::numeric_limits<double>::quiet_NaN());
   if (!knows(t))
     return {};
-  VOLUTE_ASSIGN(const Instants now, instantsAt(t));
+  VOLUTE_ASSIGN(const Snapshots now, snapshotsAt(t));
   std::vector<double> low(eyes.size()), later(eyes.size());
   now.before->extinctionBounds(eyes, low, out);
   if (!now.after)

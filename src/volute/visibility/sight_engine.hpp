@@ -58,9 +58,9 @@ class SightEngine {
 
  private:
   /// The case between two stored times.
-  struct Instants {
-    std::shared_ptr<const SightInstant> before, after;  // `after` is null at a known time
-    double share = 0;                                   // of `after`
+  struct Snapshots {
+    std::shared_ptr<const SightSnapshot> before, after;  // `after` is null at a known time
+    double share = 0;                                    // of `after`
   };
 
   struct Course {
@@ -93,12 +93,12 @@ class SightEngine {
   };
 
   static std::pair<std::vector<double>, std::vector<double>> boundsOf(
-      const Instants& now, std::span<const SightLine> lines);
-  static void lookExactly(const Instants& now, const Lines& lines, std::span<Seen> out);
+      const Snapshots& now, std::span<const SightLine> lines);
+  static void lookExactly(const Snapshots& now, const Lines& lines, std::span<Seen> out);
   bool knows(double t) const;
   bool changed(double stored, double now) const;
-  Result<Instants> instantsAt(double t);
-  Result<std::shared_ptr<const SightInstant>> stored(std::size_t index);
+  Result<Snapshots> snapshotsAt(double t);
+  Result<std::shared_ptr<const SightSnapshot>> stored(std::size_t index);
   Status largestExtinction(std::span<const Vec3> eyes, double t, std::span<double> out);
 
   std::shared_ptr<SightField> field_;
@@ -109,8 +109,8 @@ class SightEngine {
   bool small_ = false;           // few enough values to be interpolated at each time
   std::vector<double> changes_;  // of what is opaque
   double time_ = -1;
-  Instants instants_;
-  std::map<std::size_t, std::shared_ptr<const SightInstant>> held_;  // stored ones, two at most
+  Snapshots snapshots_;
+  std::map<std::size_t, std::shared_ptr<const SightSnapshot>> held_;  // stored ones, two at most
   double lastCall_ = 0;
   bool called_ = false;
   std::unordered_map<std::int64_t, Agent> agents_;

@@ -32,25 +32,25 @@ void forEachBatch(std::size_t signs, std::size_t eyes, Body&& body) {
   });
 }
 
-Place placeAt(const SightInstant& instant, const Vec3& point) {
+Place placeAt(const SightSnapshot& snapshot, const Vec3& point) {
   Place place{};
-  instant.places({&point, 1}, {&place, 1});
+  snapshot.places({&point, 1}, {&place, 1});
   return place;
 }
 
 }  // namespace
 
-Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
+Result<std::vector<SightTarget>> placeSigns(const SightSnapshot& snapshot,
                                             std::span<const SafetySign> signs, const Box3& bounds,
                                             Progress& progress) {
   std::vector<SightTarget> targets;
   for (const SafetySign& sign : signs) {
     double moved = 0;
-    if (placeAt(instant, sign.position) != Place::kGas &&
-        placeAt(instant, sign.position + kFace * sign.normal) != Place::kGas) {
+    if (placeAt(snapshot, sign.position) != Place::kGas &&
+        placeAt(snapshot, sign.position + kFace * sign.normal) != Place::kGas) {
       moved = kStride;
       while (moved <= kReach &&
-             placeAt(instant, sign.position + moved * sign.normal) != Place::kGas)
+             placeAt(snapshot, sign.position + moved * sign.normal) != Place::kGas)
         moved += kStride;
     }
     const auto [x, y, z] = std::array{sign.position[0], sign.position[1], sign.position[2]};
@@ -76,7 +76,7 @@ Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
   return targets;
 }
 
-void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
+void lookAround(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                 std::span<const Vec3> eyes, std::span<Sighting> out) {
   VOLUTE_ASSERT(out.size() == signs.size() * eyes.size());
   forEachBatch(signs.size(), eyes.size(),
@@ -85,30 +85,31 @@ void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
                  std::vector<Sight> sights(count);
                  for (std::size_t i = 0; i < count; ++i)
                    lines[i] = {eyes[first + i], signs[s].target};
-                 instant.look(lines, sights);
+                 snapshot.look(lines, sights);
                  for (std::size_t i = 0; i < count; ++i)
                    out[s * eyes.size() + first + i] = judge(signs[s].sign, lines[i].eye, sights[i]);
                });
 }
 
-void Lookout::look(const SightInstant& instant, std::span<const SightTarget> signs,
+void Lookout::look(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                    std::span<const Vec3> eyes, std::span<Sighting> out, bool again) {
   VOLUTE_ASSERT(out.size() == signs.size() * eyes.size());
-  const bool worth = again && instant.geometry() != 0 && instant.geometry() != tooLarge_;
-  if (fits(instant, eyes) || (worth && workOut(instant, signs, eyes)))
-    sum(instant, signs, eyes, out);
+  const bool worth = again && snapshot.geometry() != 0 && snapshot.geometry() != tooLarge_;
+  if (fits(snapshot, eyes) || (worth && workOut(snapshot, signs, eyes)))
+    sum(snapshot, signs, eyes, out);
   else
-    lookAround(instant, signs, eyes, out);
+    lookAround(snapshot, signs, eyes, out);
 }
 
-bool Lookout::fits(const SightInstant& instant, std::span<const Vec3> eyes) const {
-  return geometry_ != 0 && instant.geometry() == geometry_ && std::ranges::equal(eyes, eyes_);
+bool Lookout::fits(const SightSnapshot& snapshot, std::span<const Vec3> eyes) const {
+  return geometry_ != 0 && snapshot.geometry() == geometry_ && std::ranges::equal(eyes, eyes_);
 }
 
 /// Every `ranks`-th batch from the `rank`-th on.
 /// @return  bytes of what is kept; more than the limit: they are not all there
-std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const SightTarget> signs,
-                                   std::span<const Vec3> eyes, int rank, int ranks) {
+std::uint64_t Lookout::workOutSome(const SightSnapshot& snapshot,
+                                   std::span<const SightTarget> signs, std::span<const Vec3> eyes,
+                                   int rank, int ranks) {
   std::atomic<std::uint64_t> bytes{0};
   batches_.assign(signs.size() * ((eyes.size() + kBatch - 1) / kBatch), {});
   forEachBatch(signs.size(), eyes.size(),
@@ -120,7 +121,7 @@ std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const 
                  for (std::size_t i = 0; i < count; ++i) {
                    const Vec3& eye = eyes[first + i];
                    Sight sight;
-                   instant.weigh({eye, signs[s].target}, batch.weights, sight);
+                   snapshot.weigh({eye, signs[s].target}, batch.weights, sight);
                    batch.sights.push_back(judge(signs[s].sign, eye, sight));
                    batch.ends.push_back(static_cast<std::uint32_t>(batch.weights.size()));
                  }
@@ -130,28 +131,28 @@ std::uint64_t Lookout::workOutSome(const SightInstant& instant, std::span<const 
   return bytes;
 }
 
-bool Lookout::keep(const SightInstant& instant, std::span<const Vec3> eyes, std::uint64_t bytes) {
+bool Lookout::keep(const SightSnapshot& snapshot, std::span<const Vec3> eyes, std::uint64_t bytes) {
   const bool kept = bytes <= maxBytes_;
-  geometry_ = kept ? instant.geometry() : 0;
-  tooLarge_ = kept ? tooLarge_ : instant.geometry();
+  geometry_ = kept ? snapshot.geometry() : 0;
+  tooLarge_ = kept ? tooLarge_ : snapshot.geometry();
   eyes_.assign(eyes.begin(), eyes.end());
   if (!kept)
     batches_ = {};
   return kept;
 }
 
-bool Lookout::workOut(const SightInstant& instant, std::span<const SightTarget> signs,
+bool Lookout::workOut(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                       std::span<const Vec3> eyes) {
-  return keep(instant, eyes, workOutSome(instant, signs, eyes, 0, 1));
+  return keep(snapshot, eyes, workOutSome(snapshot, signs, eyes, 0, 1));
 }
 
-Status Lookout::workOutTogether(const SightInstant& instant, std::span<const SightTarget> signs,
+Status Lookout::workOutTogether(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                                 std::span<const Vec3> eyes, Team& team) {
-  if (team.size() == 1 || instant.geometry() == 0)
+  if (team.size() == 1 || snapshot.geometry() == 0)
     return {};
-  std::array<std::uint64_t, 1> bytes{workOutSome(instant, signs, eyes, team.rank(), team.size())};
+  std::array<std::uint64_t, 1> bytes{workOutSome(snapshot, signs, eyes, team.rank(), team.size())};
   VOLUTE_TRY(team.sum(bytes));
-  if (!keep(instant, eyes, bytes[0]))
+  if (!keep(snapshot, eyes, bytes[0]))
     return {};
   std::vector<std::byte> own;
   const auto put = [&](const auto& values) {
@@ -191,9 +192,9 @@ Status Lookout::workOutTogether(const SightInstant& instant, std::span<const Sig
   return {};
 }
 
-void Lookout::sum(const SightInstant& instant, std::span<const SightTarget> signs,
+void Lookout::sum(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                   std::span<const Vec3> eyes, std::span<Sighting> out) const {
-  const SightData data = instant.data();
+  const SightData data = snapshot.data();
   forEachBatch(signs.size(), eyes.size(),
                [&](std::size_t s, std::size_t first, std::size_t count, std::size_t b) {
                  const Batch& batch = batches_[b];

@@ -21,13 +21,13 @@ struct SightTarget {
 /// Finds the end points of sight lines to the signs. A sign on a wall's face is its own target; one
 /// inside a wall or outside the field gets the first gas along its normal, up to half a metre away,
 /// with a remark; beyond that it is an error that names the sign.
-[[nodiscard]] Result<std::vector<SightTarget>> placeSigns(const SightInstant& instant,
+[[nodiscard]] Result<std::vector<SightTarget>> placeSigns(const SightSnapshot& snapshot,
                                                           std::span<const SafetySign> signs,
                                                           const Box3& bounds, Progress& progress);
 
 /// Looks from all eyes to all signs at one time, on all threads.
 /// @param out  shape (sign, eye), eye fastest.
-void lookAround(const SightInstant& instant, std::span<const SightTarget> signs,
+void lookAround(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                 std::span<const Vec3> eyes, std::span<Sighting> out);
 
 /// Looks repeatedly from the same eyes, while smoke changes and obstructions mostly stay: computes
@@ -39,11 +39,11 @@ class Lookout {
 
   /// As lookAround(), to float precision.
   /// @param again  whether there will be another call; if not, nothing is kept.
-  void look(const SightInstant& instant, std::span<const SightTarget> signs,
+  void look(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
             std::span<const Vec3> eyes, std::span<Sighting> out, bool again);
 
   /// Collective. Computes the weights for look(), each line on one rank, and distributes them.
-  [[nodiscard]] Status workOutTogether(const SightInstant& instant,
+  [[nodiscard]] Status workOutTogether(const SightSnapshot& snapshot,
                                        std::span<const SightTarget> signs,
                                        std::span<const Vec3> eyes, Team& team);
 
@@ -55,13 +55,13 @@ class Lookout {
     std::vector<Sighting> sights;     ///< but for the depths
   };
 
-  bool fits(const SightInstant& instant, std::span<const Vec3> eyes) const;
-  bool workOut(const SightInstant& instant, std::span<const SightTarget> signs,
+  bool fits(const SightSnapshot& snapshot, std::span<const Vec3> eyes) const;
+  bool workOut(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                std::span<const Vec3> eyes);
-  std::uint64_t workOutSome(const SightInstant& instant, std::span<const SightTarget> signs,
+  std::uint64_t workOutSome(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
                             std::span<const Vec3> eyes, int rank, int ranks);
-  bool keep(const SightInstant& instant, std::span<const Vec3> eyes, std::uint64_t bytes);
-  void sum(const SightInstant& instant, std::span<const SightTarget> signs,
+  bool keep(const SightSnapshot& snapshot, std::span<const Vec3> eyes, std::uint64_t bytes);
+  void sum(const SightSnapshot& snapshot, std::span<const SightTarget> signs,
            std::span<const Vec3> eyes, std::span<Sighting> out) const;
 
   std::uint64_t maxBytes_;

@@ -241,7 +241,7 @@ class Job {
   /// Whether the same sight lines are looked along more than once.
   bool looksAgain() const { return survey_.times.size() > 1 && !watch_.moves(); }
 
-  Result<std::shared_ptr<const SightInstant>> instantAt(std::size_t i) {
+  Result<std::shared_ptr<const SightSnapshot>> snapshotAt(std::size_t i) {
     if (auto first = std::exchange(first_, nullptr); first && i == 0)
       return first;
     return field_.read(static_cast<std::size_t>(chosen_[i]));
@@ -255,8 +255,8 @@ class Job {
     Bytes bytes;
     if (i > 0)
       VOLUTE_TRY(lookAtChanges(survey_.times[i - 1], survey_.times[i], bytes));
-    VOLUTE_ASSIGN(const auto instant, instantAt(i));
-    VOLUTE_TRY(lookAt(*instant, i, survey_.times[i], true, bytes));
+    VOLUTE_ASSIGN(const auto snapshot, snapshotAt(i));
+    VOLUTE_TRY(lookAt(*snapshot, i, survey_.times[i], true, bytes));
     return bytes;
   }
 
@@ -269,14 +269,14 @@ class Job {
       for (const double time : {std::nextafter(change, from), change}) {
         if (time == to)
           continue;  // the stored time
-        VOLUTE_ASSIGN(const auto instant, field_.readAt(time));
-        VOLUTE_TRY(lookAt(*instant, 0, change, false, bytes));
+        VOLUTE_ASSIGN(const auto snapshot, field_.readAt(time));
+        VOLUTE_TRY(lookAt(*snapshot, 0, change, false, bytes));
       }
     }
     return {};
   }
 
-  Status lookAt(const SightInstant& instant, std::size_t index, double time, bool stored,
+  Status lookAt(const SightSnapshot& snapshot, std::size_t index, double time, bool stored,
                 Bytes& bytes) {
     const auto eyes = watch_.eyes(time);
     const std::uint64_t lines = eyes.size() * survey_.signs.size();
@@ -300,14 +300,14 @@ class Job {
     const std::span low(high.data() + points, points);
     const std::span passedHigh(low.data() + points, passed.size());
     const std::span passedLow(passedHigh.data() + passed.size(), passed.size());
-    lookout_.look(instant, survey_.signs, eyes, sightings, looksAgain());
+    lookout_.look(snapshot, survey_.signs, eyes, sightings, looksAgain());
     parallelRanges(extinction.size(), 512, [&](std::size_t begin, std::size_t end) {
       const auto part = [&](auto all) { return std::span(all).subspan(begin, end - begin); };
-      instant.extinctionBounds(part(eyes), part(low), part(high));
+      snapshot.extinctionBounds(part(eyes), part(low), part(high));
       for (std::size_t i = begin; i < end; ++i) {
         Place place{};
         if (std::isnan(low[i]))
-          instant.places({&eyes[i], 1}, {&place, 1});
+          snapshot.places({&eyes[i], 1}, {&place, 1});
         if (place == Place::kSolid)
           low[i] = SurveyTime::kSolid;
       }
@@ -317,12 +317,12 @@ class Job {
       if (std::ranges::equal(part(low), part(high), sameOrNot))
         std::ranges::copy(part(low), part(extinction).begin());
       else
-        instant.extinction(part(eyes), part(extinction));
+        snapshot.extinction(part(eyes), part(extinction));
     });
     parallelRanges(passed.size(), 512, [&](std::size_t begin, std::size_t end) {
-      instant.extinctionBounds(std::span(passed).subspan(begin, end - begin),
-                               passedLow.subspan(begin, end - begin),
-                               passedHigh.subspan(begin, end - begin));
+      snapshot.extinctionBounds(std::span(passed).subspan(begin, end - begin),
+                                passedLow.subspan(begin, end - begin),
+                                passedHigh.subspan(begin, end - begin));
     });
     SightRows rows;
     if (stored) {
@@ -331,7 +331,7 @@ class Job {
       Result<SightRows> made;
       parallelFor(2, [&](std::size_t what) {
         if (what == 0)
-          drawn = watch_.draw({index, time, eyes, sightings, extinction, high, low}, instant);
+          drawn = watch_.draw({index, time, eyes, sightings, extinction, high, low}, snapshot);
         else
           made = rowMaker_.make(time, eyes, survey_.signs, sightings);
       });
@@ -540,11 +540,11 @@ class Job {
   Lookout lookout_;
   SightRowMaker rowMaker_;
   Survey survey_;
-  std::vector<double> changes_;                // of what is opaque
-  std::vector<int> chosen_;                    // stored times, of Survey::times
-  std::optional<PendingFolder> folder_;        // of rank 0
-  std::optional<SightCsv> csv_;                // of rank 0
-  std::shared_ptr<const SightInstant> first_;  // until its turn
+  std::vector<double> changes_;                 // of what is opaque
+  std::vector<int> chosen_;                     // stored times, of Survey::times
+  std::optional<PendingFolder> folder_;         // of rank 0
+  std::optional<SightCsv> csv_;                 // of rank 0
+  std::shared_ptr<const SightSnapshot> first_;  // until its turn
   Json summary_ = Json::array();
   SurveyPage page_;
 };

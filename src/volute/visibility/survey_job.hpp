@@ -39,7 +39,7 @@ class SurveyPictures {
   virtual ~SurveyPictures() = default;
 
   /// On rank 0, like finish().
-  [[nodiscard]] virtual Status begin(const Survey& survey, const SightInstant& first) = 0;
+  [[nodiscard]] virtual Status begin(const Survey& survey, const SightSnapshot& first) = 0;
 
   /// Takes them; adds them to the report and returns their part of the page.
   [[nodiscard]] virtual Result<std::string> finish(const Survey& survey, Json& report) = 0;

@@ -7,7 +7,7 @@
 namespace volute {
 
 /// A room 30 x 10 x 3 m of uniform smoke K and a wall of 1 m from x = 20 on, all but 4 m wide.
-class Room final : public BasicSightInstant {
+class Room final : public BasicSightSnapshot {
  public:
   explicit Room(double extinction) : extinction_(extinction) {}
 

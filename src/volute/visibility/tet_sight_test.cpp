@@ -12,13 +12,13 @@
 namespace volute {
 namespace {
 
-Sight look(const SightInstant& instant, const SightLine& line) {
+Sight look(const SightSnapshot& snapshot, const SightLine& line) {
   Sight sight;
-  instant.look({&line, 1}, {&sight, 1});
+  snapshot.look({&line, 1}, {&sight, 1});
   return sight;
 }
 
-TetInstant instantOf(const std::shared_ptr<const TetMesh>& mesh, std::vector<float> field) {
+TetSightSnapshot snapshotOf(const std::shared_ptr<const TetMesh>& mesh, std::vector<float> field) {
   return {std::make_shared<const TetLocator>(mesh), std::move(field)};
 }
 
@@ -27,7 +27,7 @@ TEST(TetSight, ALinearFieldIsExact) {
   std::vector<float> field;
   const auto value = [](const Vec3& p) { return 0.5 + 0.1 * p[0] - 0.05 * p[1] + 0.2 * p[2]; };
   for (const Vec3& vertex : mesh->vertices()) field.push_back(static_cast<float>(value(vertex)));
-  const TetInstant instant = instantOf(mesh, field);
+  const TetSightSnapshot snapshot = snapshotOf(mesh, field);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> share(0.01, 0.99);
   for (int i = 0; i < 500; ++i) {
@@ -35,20 +35,20 @@ TEST(TetSight, ALinearFieldIsExact) {
       return Vec3(6 * share(random), 4 * share(random), 3 * share(random));
     };
     const SightLine line{point(), point()};
-    const Sight sight = look(instant, line);
+    const Sight sight = look(snapshot, line);
     EXPECT_NEAR(sight.depth, line.length() * value(0.5 * (line.eye + line.target)), 2e-6);
     EXPECT_FALSE(sight.blocked);
     EXPECT_TRUE(sight.covered);
   }
   const Vec3 centre(3, 2, 1.5);
   double k = 0;
-  instant.extinction({&centre, 1}, {&k, 1});
+  snapshot.extinction({&centre, 1}, {&k, 1});
   EXPECT_NEAR(k, value(centre), 1e-6);
 }
 
 TEST(TetSight, TheWalkEqualsTheSlowWayInAHallWithColumns) {
   const auto mesh = hallMesh(1.0, 2);
-  const TetInstant instant = instantOf(mesh, plume(*mesh, 3, 2));
+  const TetSightSnapshot snapshot = snapshotOf(mesh, plume(*mesh, 3, 2));
   std::mt19937 random(11);
   std::uniform_real_distribution<double> share(-0.02, 1.02);
   int blocked = 0, outside = 0;
@@ -58,7 +58,7 @@ TEST(TetSight, TheWalkEqualsTheSlowWayInAHallWithColumns) {
       return Vec3(mesh->bounds().min + shares.cwiseProduct(mesh->bounds().size()));
     };
     const SightLine line{point(), point()};
-    const Sight fast = look(instant, line), slow = instant.lookSlowly(line);
+    const Sight fast = look(snapshot, line), slow = snapshot.lookSlowly(line);
     ASSERT_NEAR(fast.depth, slow.depth, 1e-9 + 1e-9 * slow.depth);
     ASSERT_EQ(fast.blocked, slow.blocked);
     ASSERT_EQ(fast.covered, slow.covered);
@@ -70,10 +70,11 @@ TEST(TetSight, TheWalkEqualsTheSlowWayInAHallWithColumns) {
 
 TEST(TetSight, LinesThroughVerticesAndAlongEdgesAreNotLost) {
   const auto mesh = boxMesh({Vec3(0, 0, 0), Vec3(4, 4, 4)}, {4, 4, 4}, 0, 1);
-  const TetInstant instant = instantOf(mesh, std::vector<float>(mesh->vertices().size(), 0.25F));
+  const TetSightSnapshot snapshot =
+      snapshotOf(mesh, std::vector<float>(mesh->vertices().size(), 0.25F));
   for (const Vec3& target : {Vec3(4, 4, 4), Vec3(4, 0, 0), Vec3(0, 4, 4), Vec3(4, 4, 0)}) {
     const Vec3 eye = Vec3(4, 4, 4) - target;
-    const Sight sight = look(instant, {eye, target});
+    const Sight sight = look(snapshot, {eye, target});
     EXPECT_NEAR(sight.depth, 0.25 * (target - eye).norm(), 1e-6);
     EXPECT_FALSE(sight.blocked);
   }
@@ -99,10 +100,10 @@ TEST(Lookout, WorkedOutLinesGiveTheSameAtEachTime) {
     for (int t = 0; t < 4; ++t) {
       if (t == 3)
         eyes.pop_back();  // other eyes: nothing that is kept fits
-      const TetInstant instant(locator, plume(*mesh, 3.0 + t, 2), 1);
+      const TetSightSnapshot snapshot(locator, plume(*mesh, 3.0 + t, 2), 1);
       std::vector<Sighting> found(eyes.size()), expected(eyes.size());
-      lookout.look(instant, signs, eyes, found, true);
-      lookAround(instant, signs, eyes, expected);
+      lookout.look(snapshot, signs, eyes, found, true);
+      lookAround(snapshot, signs, eyes, expected);
       for (std::size_t i = 0; i < eyes.size(); ++i) {
         ASSERT_EQ(found[i].blocked, expected[i].blocked);
         ASSERT_EQ(found[i].covered, expected[i].covered);

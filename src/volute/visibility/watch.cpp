@@ -219,7 +219,7 @@ class PointWatch : public Watch {
  public:
   explicit PointWatch(std::vector<Vec3> points) : points_(std::move(points)) {}
 
-  Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
+  Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
     std::vector<Place> places(points_.size());
     first.places(points_, places);
@@ -406,7 +406,7 @@ class TrajectoryWatch final : public Watch {
 
   bool moves() const override { return true; }
 
-  Status begin(const Survey& survey, const SightInstant& first, Progress& progress) override {
+  Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
     progress_ = &progress;
     noteFloor(first);
@@ -555,7 +555,7 @@ class TrajectoryWatch final : public Watch {
   }
 
   /// Eyes of which all are where feet would be.
-  void noteFloor(const SightInstant& first) {
+  void noteFloor(const SightSnapshot& first) {
     constexpr double kLow = 0.3;          // [m]
     constexpr std::size_t kEnough = 100;  // of people, evenly spread
     const auto spans = people_.spans();

@@ -93,7 +93,7 @@ struct SurveyTime {
   std::span<const Vec3> eyes;
   std::span<const Sighting> sightings;  ///< shape (sign, eye)
   /// Where the eyes stand [1/m], where Survey or Watch ask for it; NaN as
-  /// SightInstant::extinction() says.
+  /// SightSnapshot::extinction() says.
   std::span<const double> extinction{};
   /// The largest that the data's rounding allows there, for criteria.
   std::span<const double> extinctionHigh{};
@@ -112,7 +112,7 @@ class Watch {
   virtual ~Watch() = default;
 
   /// With the first time's smoke. Complains about eyes from which nobody can look.
-  [[nodiscard]] virtual Status begin(const Survey& survey, const SightInstant& first,
+  [[nodiscard]] virtual Status begin(const Survey& survey, const SightSnapshot& first,
                                      Progress& progress) = 0;
 
   /// The eyes at a time.
@@ -126,8 +126,8 @@ class Watch {
 
   /// Writes what files there are of a time alone. Each stored time once, in any order and on any
   /// rank, after begin() on that rank.
-  [[nodiscard]] virtual Status draw(const SurveyTime& at, const SightInstant& instant) const {
-    (void)instant;
+  [[nodiscard]] virtual Status draw(const SurveyTime& at, const SightSnapshot& snapshot) const {
+    (void)snapshot;
     (void)at;
     return {};
   }

@@ -97,7 +97,7 @@ SmokeBand bandAt(const FdsLattice& lattice, const FdsValues& values, const Vec3&
 /// The least and the largest extinction in blocks of 2 x 2 x 2 cells of each lattice; solid cells
 /// count as 0, unknown ones as anything. Lines go through an eighth of the cells, with one value to
 /// fetch where nodes have eight; blocks of 4 leave more lines undecided, which costs more.
-struct FdsInstant::Blocks {
+struct FdsSightSnapshot::Blocks {
   static constexpr int kEdge = 2;
 
   struct OfLattice {
@@ -113,9 +113,8 @@ struct FdsInstant::Blocks {
                       const std::vector<FdsCell>& cells);
 };
 
-FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
-                                                     const FdsValues& values,
-                                                     const std::vector<FdsCell>& cells) {
+FdsSightSnapshot::Blocks::OfLattice FdsSightSnapshot::Blocks::of(
+    const FdsLattice& lattice, const FdsValues& values, const std::vector<FdsCell>& cells) {
   OfLattice blocks;
   std::array<int, 3> count{}, size{};  // of blocks, of values
   for (int axis = 0; axis < 3; ++axis) {
@@ -173,7 +172,7 @@ FdsInstant::Blocks::OfLattice FdsInstant::Blocks::of(const FdsLattice& lattice,
   return blocks;
 }
 
-const FdsInstant::Blocks& FdsInstant::blocks() const {
+const FdsSightSnapshot::Blocks& FdsSightSnapshot::blocks() const {
   std::call_once(blocks_->made, [&] {
     for (std::size_t i = 0; i < field_.grid().lattices().size(); ++i) {
       blocks_->lattices.push_back(
@@ -183,8 +182,8 @@ const FdsInstant::Blocks& FdsInstant::blocks() const {
   return *blocks_;
 }
 
-void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
-                        std::span<double> high) const {
+void FdsSightSnapshot::bounds(std::span<const SightLine> lines, std::span<double> low,
+                              std::span<double> high) const {
   constexpr double kRounding = 1e-5;  // of the sums that these are compared with
   const Blocks& all = blocks();
   std::vector<Segment> segments;
@@ -216,7 +215,8 @@ void FdsInstant::bounds(std::span<const SightLine> lines, std::span<double> low,
   }
 }
 
-void FdsInstant::blocked(std::span<const SightLine> lines, std::span<unsigned char> out) const {
+void FdsSightSnapshot::blocked(std::span<const SightLine> lines,
+                               std::span<unsigned char> out) const {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Segment segment = segmentOf(lines[i]);
     out[i] = obstructions_.blocked(segment) || passesBorder(segment) ? 1 : 0;
@@ -224,7 +224,7 @@ void FdsInstant::blocked(std::span<const SightLine> lines, std::span<unsigned ch
 }
 
 /// Whether a line leaves all meshes, or comes back, through FDS's own walls around them.
-bool FdsInstant::passesBorder(const Segment& segment) const {
+bool FdsSightSnapshot::passesBorder(const Segment& segment) const {
   if (meshes_.size() < 2)
     return false;
   const auto isWall = [&](double at) {
@@ -255,7 +255,8 @@ bool FdsInstant::passesBorder(const Segment& segment) const {
   return false;
 }
 
-FdsInstant::FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry)
+FdsSightSnapshot::FdsSightSnapshot(FdsField field, FdsObstructions obstructions,
+                                   std::uint64_t geometry)
     : field_(std::move(field)),
       obstructions_(std::move(obstructions)),
       geometry_(geometry),
@@ -271,7 +272,7 @@ FdsInstant::FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64
     joinValues();
 }
 
-void FdsInstant::joinValues() {
+void FdsSightSnapshot::joinValues() {
   bool banded = false;
   for (std::size_t i = 0; i < firsts_.size(); ++i) banded |= !field_.values(i).low.empty();
   for (std::size_t i = 0; i < firsts_.size(); ++i) {
@@ -287,15 +288,15 @@ void FdsInstant::joinValues() {
   }
 }
 
-SightData FdsInstant::data() const {
+SightData FdsSightSnapshot::data() const {
   if (firsts_.size() > 1)
     return {value_, low_, high_};
   const FdsValues& values = field_.values(0);
   return {values.value, values.low, values.high};
 }
 
-void FdsInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
-                       Sight& sight) const {
+void FdsSightSnapshot::weigh(const SightLine& line, std::vector<SightWeight>& weights,
+                             Sight& sight) const {
   const Segment segment = segmentOf(line);
   const std::size_t first = weights.size();
   double known = 0;
@@ -329,7 +330,7 @@ void FdsInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
   sight.blocked = obstructions_.blocked(segment) || (!sight.covered && passesBorder(segment));
 }
 
-void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
+void FdsSightSnapshot::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
   std::vector<Segment> segments;
   for (const SightLine& line : lines) segments.push_back(segmentOf(line));
   std::vector<FdsDepth> depths(lines.size());
@@ -342,7 +343,7 @@ void FdsInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
   }
 }
 
-void FdsInstant::addBorders(const SmvIndex& index, double time) {
+void FdsSightSnapshot::addBorders(const SmvIndex& index, double time) {
   for (const FdsMesh& mesh : index.meshes) {
     meshes_.push_back(mesh.bounds());
     for (const FdsObstruction& one : mesh.obstructions) {
@@ -358,8 +359,8 @@ void FdsInstant::addBorders(const SmvIndex& index, double time) {
   }
 }
 
-void FdsInstant::extinctionBounds(std::span<const Vec3> points, std::span<double> low,
-                                  std::span<double> high) const {
+void FdsSightSnapshot::extinctionBounds(std::span<const Vec3> points, std::span<double> low,
+                                        std::span<double> high) const {
   extinction(points, low);
   std::ranges::copy(low, high.begin());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -408,7 +409,8 @@ class FlatBins {
 }  // namespace
 
 /// From obstructions and meshes, because the field itself may be a layer of smoke.
-void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<double> z) const {
+void FdsSightSnapshot::floors(std::span<const Vec3> points, double drop,
+                              std::span<double> z) const {
   constexpr double kThin = 1e-3;  // [m]
   const auto above = [](const Box3& box, const Vec3& point) {
     return box.min.x() <= point.x() && point.x() < box.max.x() && box.min.y() <= point.y() &&
@@ -450,7 +452,7 @@ void FdsInstant::floors(std::span<const Vec3> points, double drop, std::span<dou
   });
 }
 
-std::vector<PlanShape> FdsInstant::shapes(double z) const {
+std::vector<PlanShape> FdsSightSnapshot::shapes(double z) const {
   std::vector<PlanShape> shapes;
   const auto add = [&](const Box3& box, PlanShape::Kind kind) {
     if (box.min.z() < box.max.z() && box.min.z() <= z && z < box.max.z())
@@ -472,11 +474,12 @@ Place placeOf(std::optional<FdsCell> cell) {
 
 }  // namespace
 
-void FdsInstant::places(std::span<const Vec3> points, std::span<Place> places) const {
+void FdsSightSnapshot::places(std::span<const Vec3> points, std::span<Place> places) const {
   for (std::size_t i = 0; i < points.size(); ++i) places[i] = placeOf(field_.cellAt(points[i]));
 }
 
-void FdsInstant::extinction(std::span<const Vec3> points, std::span<double> extinction) const {
+void FdsSightSnapshot::extinction(std::span<const Vec3> points,
+                                  std::span<double> extinction) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
     extinction[i] = field_.cellAt(points[i]) == FdsCell::kGas
                         ? field_.extinction(points[i])
@@ -969,7 +972,7 @@ std::vector<double> FdsSight::changes() const {
   return changes;
 }
 
-Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
+Result<std::shared_ptr<const SightSnapshot>> FdsSight::readOwnAt(double when) {
   const auto [best, stored] = caseAt(when);
   VOLUTE_ASSIGN(auto field, best->field(stored));
   if (best->source().quantity == SmokeQuantity::kVisibility && !others_.empty()) {
@@ -980,12 +983,12 @@ Result<std::shared_ptr<const SightInstant>> FdsSight::readOwnAt(double when) {
     ++geometry_;
   lastTime_ = when;
   last_ = field;
-  auto instant =
-      std::make_shared<FdsInstant>(std::move(field), best->obstructions(when), geometry_);
-  instant->addBorders(case_.index(), when);
+  auto snapshot =
+      std::make_shared<FdsSightSnapshot>(std::move(field), best->obstructions(when), geometry_);
+  snapshot->addBorders(case_.index(), when);
   if (walls_.empty())
-    return std::shared_ptr<const SightInstant>(std::move(instant));
-  return std::make_shared<const OccludedSight>(std::move(instant), walls_,
+    return std::shared_ptr<const SightSnapshot>(std::move(snapshot));
+  return std::make_shared<const OccludedSight>(std::move(snapshot), walls_,
                                                OccludedSight::Surfaces::kBodies);
 }
 

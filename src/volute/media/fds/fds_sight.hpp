@@ -15,10 +15,10 @@
 namespace volute {
 
 /// An FDS case at one time.
-class FdsInstant final : public BasicSightInstant {
+class FdsSightSnapshot final : public BasicSightSnapshot {
  public:
   /// `geometry` is a number for its cells and obstructions, or 0.
-  FdsInstant(FdsField field, FdsObstructions obstructions, std::uint64_t geometry);
+  FdsSightSnapshot(FdsField field, FdsObstructions obstructions, std::uint64_t geometry);
 
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
   void bounds(std::span<const SightLine> lines, std::span<double> low,
@@ -113,11 +113,11 @@ class FdsSight final : public SightField {
  protected:
   Box3 ownBounds() const override { return bounds_; }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override {
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
     return readOwnAt(times()[time]);
   }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwnAt(double time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwnAt(double time) override;
 
  private:
   const std::pair<double, double>& span();

@@ -18,7 +18,7 @@ namespace {
 
 /// Two meshes of other cells beside each other, evenly spaced or wider along y, uneven smoke, an
 /// obstruction and an unknown corner.
-FdsInstant twoMeshes(bool nodal, bool even) {
+FdsSightSnapshot twoMeshes(bool nodal, bool even) {
   SmvIndex index;
   std::vector<FdsLattice> lattices;
   for (int m = 0; m < 2; ++m) {
@@ -68,24 +68,24 @@ FdsInstant twoMeshes(bool nodal, bool even) {
     values.push_back(std::move(value));
     cells.push_back(std::move(state));
   }
-  return FdsInstant(FdsField(grid, values, cells), FdsObstructions(index, 0), 1);
+  return FdsSightSnapshot(FdsField(grid, values, cells), FdsObstructions(index, 0), 1);
 }
 
-TEST(FdsInstant, BlocksOfCellsBoundEveryLine) {
+TEST(FdsSightSnapshot, BlocksOfCellsBoundEveryLine) {
   std::mt19937 draw(3);
   std::uniform_real_distribution<double> x(-0.2, 8.2), y(0, 3), z(0, 2.4);
   for (const auto& [nodal, even] :
        {std::pair(false, true), {true, true}, {false, false}, {true, false}}) {
-    const FdsInstant instant = twoMeshes(nodal, even);
+    const FdsSightSnapshot snapshot = twoMeshes(nodal, even);
     std::vector<SightLine> lines;
     for (int i = 0; i < 2000; ++i)
       lines.push_back({Vec3(x(draw), y(draw), z(draw)), Vec3(x(draw), y(draw), z(draw))});
     std::vector<Sight> sights(lines.size());
     std::vector<double> low(lines.size()), high(lines.size());
     std::vector<unsigned char> blocked(lines.size());
-    instant.look(lines, sights);
-    instant.bounds(lines, low, high);
-    instant.blocked(lines, blocked);
+    snapshot.look(lines, sights);
+    snapshot.bounds(lines, low, high);
+    snapshot.blocked(lines, blocked);
     int tight = 0, uncovered = 0;
     for (std::size_t i = 0; i < lines.size(); ++i) {
       ASSERT_LE(low[i], sights[i].low + 1e-12);
@@ -118,26 +118,26 @@ TEST(FdsSight, WallsOfTrianglesBlockAndCarry) {
   EXPECT_TRUE(remarks.empty());
   FdsSight sight(std::move(fds), "made", 1 << 30, {},
                  TriangleScene::build(mesh.triangles, mesh.materials).value());
-  const auto instant = sight.readAt(0).value();
+  const auto snapshot = sight.readAt(0).value();
 
   const SightLine lines[] = {
       {{0.5, 2, 1}, {5, 2, 1}}, {{0.5, 2, 1.5}, {5, 2, 1.5}}, {{0.5, 0.5, 1}, {5, 0.5, 1}}};
   std::vector<Sight> sights(3);
-  instant->look(lines, sights);
+  snapshot->look(lines, sights);
   EXPECT_TRUE(sights[0].blocked);
   EXPECT_FALSE(sights[1].blocked) << "above it";
   EXPECT_FALSE(sights[2].blocked) << "beside it";
   const Vec3 points[] = {{3, 2, 0.6}, {3, 2, 2.9}, {1, 2, 0.6}};
   std::vector<Place> places(3);
-  instant->places(points, places);
+  snapshot->places(points, places);
   EXPECT_EQ(places[0], Place::kSolid);
   EXPECT_EQ(places[1], Place::kGas);
   EXPECT_EQ(places[2], Place::kGas);
   std::vector<double> z(3), k(3);
-  instant->floors(points, 2.5, z);
+  snapshot->floors(points, 2.5, z);
   EXPECT_NEAR(z[1], 1.2, 1e-6) << "its top carries people";
   EXPECT_NEAR(z[2], 0, 1e-9);
-  instant->extinction(points, k);
+  snapshot->extinction(points, k);
   EXPECT_TRUE(std::isnan(k[0]));
   EXPECT_NEAR(k[2], 0.1, 1e-6);
 }
@@ -256,8 +256,8 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
     std::optional<int> first, known;
     for (int t = 0; t < kTimes; ++t) {
       std::vector<double> low(2), high(2);
-      const auto instant = sight.read(t).value();
-      instant->extinctionBounds(points, low, high);
+      const auto snapshot = sight.read(t).value();
+      snapshot->extinctionBounds(points, low, high);
       const int before = t / every * every, after = before + (t > before ? every : 0);
       if (t == before) {
         EXPECT_NEAR(low[0], truth[t], 1e-5);

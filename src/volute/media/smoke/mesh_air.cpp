@@ -108,8 +108,8 @@ class MeshPoints final : public PointField {
   }
 
  private:
-  /// The values of a stored time; TetInstant interpolates whatever they are.
-  Result<std::shared_ptr<const TetInstant>> frame(std::size_t number) {
+  /// The values of a stored time; TetSightSnapshot interpolates whatever they are.
+  Result<std::shared_ptr<const TetSightSnapshot>> frame(std::size_t number) {
     if (const auto kept = kept_.find(number); kept != kept_.end())
       return kept->second;
     VOLUTE_ASSIGN(auto read, source_.read(number));
@@ -117,14 +117,15 @@ class MeshPoints final : public PointField {
       locator_ = std::make_shared<const TetLocator>(read.mesh);
     if (kept_.size() == 2)
       kept_.erase(kept_.begin()->first < number ? kept_.begin() : std::prev(kept_.end()));
-    return kept_[number] = std::make_shared<const TetInstant>(locator_, std::move(read.values));
+    return kept_[number] =
+               std::make_shared<const TetSightSnapshot>(locator_, std::move(read.values));
   }
 
   MeshSource source_;
   MeshAirField named_;
   Conversion conversion_;
-  std::shared_ptr<const TetLocator> locator_;                      // of the last mesh
-  std::map<std::size_t, std::shared_ptr<const TetInstant>> kept_;  // two at most
+  std::shared_ptr<const TetLocator> locator_;                            // of the last mesh
+  std::map<std::size_t, std::shared_ptr<const TetSightSnapshot>> kept_;  // two at most
 };
 
 }  // namespace

@@ -23,12 +23,12 @@ Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quant
   return meshConditions(smoke_->source(), quantity, air_, *fields_);
 }
 
-Result<std::shared_ptr<const SightInstant>> MeshSight::readOwn(std::size_t time) {
+Result<std::shared_ptr<const SightSnapshot>> MeshSight::readOwn(std::size_t time) {
   Progress quiet;
   VOLUTE_ASSIGN(auto read, smoke_->extinctionAt(time, quiet));
   if (locator_ != read.locator)
     locator_ = read.locator, ++meshes_;
-  return std::make_shared<const TetInstant>(locator_, std::move(read.values), meshes_);
+  return std::make_shared<const TetSightSnapshot>(locator_, std::move(read.values), meshes_);
 }
 
 }  // namespace volute

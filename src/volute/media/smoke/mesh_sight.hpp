@@ -30,7 +30,7 @@ class MeshSight final : public SightField {
  protected:
   Box3 ownBounds() const override { return smoke_->bounds(); }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightInstant>> readOwn(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override;
 
  private:
   std::shared_ptr<SmokeMedium> smoke_;

@@ -74,13 +74,13 @@ Segment tetSegment(const SightLine& line) {
 
 }  // namespace
 
-TetInstant::TetInstant(std::shared_ptr<const TetLocator> locator, std::vector<float> extinction,
-                       std::uint64_t geometry)
+TetSightSnapshot::TetSightSnapshot(std::shared_ptr<const TetLocator> locator,
+                                   std::vector<float> extinction, std::uint64_t geometry)
     : locator_(std::move(locator)), extinction_(std::move(extinction)), geometry_(geometry) {
   VOLUTE_ASSERT(extinction_.size() == locator_->mesh().vertices().size());
 }
 
-double TetInstant::valueAt(std::int32_t tet, const Vec3& point) const {
+double TetSightSnapshot::valueAt(std::int32_t tet, const Vec3& point) const {
   const auto shares = locator_->mesh().shares(tet, point);
   const Tet& vertices = locator_->mesh().tets()[static_cast<std::size_t>(tet)];
   double sum = 0;
@@ -89,7 +89,7 @@ double TetInstant::valueAt(std::int32_t tet, const Vec3& point) const {
 }
 
 template <class Visit>
-void TetInstant::cross(const Segment& segment, Sight& sight, Visit&& visit) const {
+void TetSightSnapshot::cross(const Segment& segment, Sight& sight, Visit&& visit) const {
   std::vector<TetCrossing> crossings;
   locator_->crossings(segment, crossings);
   sight = {};
@@ -114,7 +114,7 @@ void TetInstant::cross(const Segment& segment, Sight& sight, Visit&& visit) cons
 }
 
 template <class Visit>
-bool TetInstant::walk(const Segment& segment, Visit&& visit) const {
+bool TetSightSnapshot::walk(const Segment& segment, Visit&& visit) const {
   const TetMesh& mesh = locator_->mesh();
   std::int32_t tet = locator_->find(segment.origin);
   double at = 0;
@@ -135,7 +135,7 @@ bool TetInstant::walk(const Segment& segment, Visit&& visit) const {
   return false;
 }
 
-Sight TetInstant::lookSlowly(const SightLine& line) const {
+Sight TetSightSnapshot::lookSlowly(const SightLine& line) const {
   const Segment segment = tetSegment(line);
   Sight sight;
   double sum = 0;
@@ -147,7 +147,7 @@ Sight TetInstant::lookSlowly(const SightLine& line) const {
   return sight;
 }
 
-void TetInstant::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
+void TetSightSnapshot::look(std::span<const SightLine> lines, std::span<Sight> sights) const {
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const Segment segment = tetSegment(lines[i]);
     double sum = 0;
@@ -158,8 +158,8 @@ void TetInstant::look(std::span<const SightLine> lines, std::span<Sight> sights)
   }
 }
 
-void TetInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
-                       Sight& sight) const {
+void TetSightSnapshot::weigh(const SightLine& line, std::vector<SightWeight>& weights,
+                             Sight& sight) const {
   const Segment segment = tetSegment(line);
   const TetMesh& mesh = locator_->mesh();
   const std::size_t first = weights.size();
@@ -178,12 +178,13 @@ void TetInstant::weigh(const SightLine& line, std::vector<SightWeight>& weights,
   cross(segment, sight, add);
 }
 
-void TetInstant::places(std::span<const Vec3> points, std::span<Place> places) const {
+void TetSightSnapshot::places(std::span<const Vec3> points, std::span<Place> places) const {
   for (std::size_t i = 0; i < points.size(); ++i)
     places[i] = locator_->find(points[i]) >= 0 ? Place::kGas : Place::kOutside;
 }
 
-void TetInstant::extinction(std::span<const Vec3> points, std::span<double> extinction) const {
+void TetSightSnapshot::extinction(std::span<const Vec3> points,
+                                  std::span<double> extinction) const {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::int32_t tet = locator_->find(points[i]);
     extinction[i] = tet < 0 ? std::numeric_limits<double>::quiet_NaN() : valueAt(tet, points[i]);

@@ -15,12 +15,12 @@ namespace volute {
 ///
 /// A line is walked from tet to neighbour; where it meets an edge, or leaves the mesh, the slow and
 /// simple TetLocator::crossings takes over.
-class TetInstant final : public BasicSightInstant {
+class TetSightSnapshot final : public BasicSightSnapshot {
  public:
   /// `extinction` [1/m], one for each vertex, finite and >= 0. `geometry` is a number of the mesh's
   /// own, or 0.
-  TetInstant(std::shared_ptr<const TetLocator> locator, std::vector<float> extinction,
-             std::uint64_t geometry = 0);
+  TetSightSnapshot(std::shared_ptr<const TetLocator> locator, std::vector<float> extinction,
+                   std::uint64_t geometry = 0);
 
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
