@@ -193,7 +193,7 @@ Result<Image> FilmJob::drawUntilStopped(const SceneSnapshot& snapshot, const Cam
 Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
   if (!(shutter > 0))
     return pictureAt(frame, progress);
-  constexpr int kMaxInstants = 81;
+  constexpr int kMaxShutterTimes = 81;
   constexpr double kError = 1.0 / 256;
   Image mean;
   std::vector<double> sum;
@@ -203,9 +203,9 @@ Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
     for (int part = 0; part < count; ++part) {
       if (count > 1 && part % 3 == 1)
         continue;
-      FilmFrame instant = frame;
-      instant.time += (part + 0.5) / count * shutter;
-      VOLUTE_ASSIGN(auto image, pictureAt(instant, progress));
+      FilmFrame within = frame;
+      within.time += (part + 0.5) / count * shutter;
+      VOLUTE_ASSIGN(auto image, pictureAt(within, progress));
       sum.resize(image.pixels.size());
       for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += image.pixels[i];
       if (mean.pixels.empty())
@@ -220,7 +220,7 @@ Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
       mean.pixels[i] = static_cast<float>(now);
     }
     change = brightest > 0 ? change / brightest : 0;
-    if (count == 1 || (change > kError && count < kMaxInstants))
+    if (count == 1 || (change > kError && count < kMaxShutterTimes))
       continue;
     if (change > kError && totals.shutterError <= kError) {
       progress.remark({RemarkCode::kDoubtful,
@@ -229,7 +229,7 @@ Result<Image> FilmJob::picture(const FilmFrame& frame, Progress& progress) {
                                    "brightest value",
                                    frame.number, count, change)});
     }
-    totals.shutterInstants = std::max(totals.shutterInstants, count);
+    totals.shutterTimes = std::max(totals.shutterTimes, count);
     totals.shutterError = std::max(totals.shutterError, change);
     return mean;
   }
@@ -345,7 +345,7 @@ OrderedJson FilmJob::stats() const {
   }
   if (shutter > 0) {
     json["shutter"] = {
-        {"seconds", shutter}, {"instants", totals.shutterInstants}, {"error", totals.shutterError}};
+        {"seconds", shutter}, {"instants", totals.shutterTimes}, {"error", totals.shutterError}};
   }
   const PictureLaw law = scene.law();
   json["mode"] = contour ? modeOf(*contour) : std::string(nameOf(law.mode));

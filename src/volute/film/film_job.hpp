@@ -30,7 +30,7 @@ struct FilmTotals {
   int pictures = 0;
   PictureCounts counts;
   nlohmann::ordered_json media = nlohmann::ordered_json::object();  ///< MediumSnapshot::counts()
-  int shutterInstants = 0;  ///< of the picture that took the most
+  int shutterTimes = 0;     ///< of the picture that took the most
   double shutterError = 0;  ///< the largest of all pictures, in shares of its brightest value
 };
 

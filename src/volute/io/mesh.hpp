@@ -61,13 +61,13 @@ struct MeshFieldSummary {
   std::uint64_t notFinite = 0;  ///< how many values are
 };
 
-/// What the head of a file of one instant says.
+/// What the head of a file of one frame says.
 struct MeshHead {
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN: not stated
   std::vector<MeshFieldSummary> fields{};                  ///< without their values
 };
 
-/// What a file has at one instant. Trivially copyable.
+/// What a file has in one frame. Trivially copyable.
 struct MeshContents {
   MeshSize size;
   std::array<std::uint64_t, 5> shapes{};  ///< how many cells of each CellShape
@@ -91,22 +91,21 @@ class MeshReader {
  public:
   virtual ~MeshReader() = default;
 
-  /// The instants that a file has [s], ascending; of a file that says nothing of time, 0.
+  /// The times that a file has [s], ascending; of a file that says nothing of time, 0.
   [[nodiscard]] virtual Result<std::vector<double>> times(const std::filesystem::path& file) = 0;
 
-  /// Reads one instant of the file, counted from 0; the field named `field`, or the only scalar
+  /// Reads one frame of the file, counted from 0; the field named `field`, or the only scalar
   /// when it is empty. An error lists the fields that are there. kUnsupported for a share of a file
   /// that names no pieces.
-  [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file,
-                                              std::size_t instant, const std::string& field,
-                                              const MeshShare& share) = 0;
+  [[nodiscard]] virtual Result<MeshSize> load(const std::filesystem::path& file, std::size_t frame,
+                                              const std::string& field, const MeshShare& share) = 0;
 
-  /// Reads no more of a file of one instant than what says so.
+  /// Reads no more of a file of one frame than what says so.
   [[nodiscard]] virtual Result<MeshHead> head(const std::filesystem::path& file) = 0;
 
-  /// Reads one instant without values; take() gives its cells.
+  /// Reads one frame without values; take() gives its cells.
   [[nodiscard]] virtual Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
-      const std::filesystem::path& file, std::size_t instant) = 0;
+      const std::filesystem::path& file, std::size_t frame) = 0;
 
   /// Hands over the mesh that was loaded or described.
   [[nodiscard]] virtual Result<MeshData> take() = 0;

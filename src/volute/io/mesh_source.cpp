@@ -56,7 +56,7 @@ std::size_t floatsFor(const MeshSize& size) {
   return (bytes + sizeof(float) - 1) / sizeof(float);
 }
 
-// Requests; others are instants, to be described where they begin with kDescribe.
+// Requests; others are frames, to be described where they begin with kDescribe.
 constexpr std::string_view kTimes = "times", kTake = "take", kDescribe = "describe", kHead = "head";
 
 /// What netCDF's libraries fill variables with before they are written (NC_FILL_DOUBLE and
@@ -89,7 +89,7 @@ Result<std::vector<MeshFieldSummary>> fieldsIn(std::string_view reply) {
   return fields;
 }
 
-/// The child's side: it is asked for the instants, or for one of them: how much it is or what it
+/// The child's side: it is asked for the frames, or for one of them: how much it is or what it
 /// has, then the thing itself.
 /// The parameters are the file, the field, and the share, a zero byte after each but the last.
 Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
@@ -113,15 +113,15 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
     }
     if (request.starts_with(kDescribe)) {
       request.remove_prefix(kDescribe.size());
-      std::size_t instant = 0;
-      std::from_chars(request.data(), request.data() + request.size(), instant);
-      VOLUTE_ASSIGN(const auto described, reader->describe(file, instant));
+      std::size_t frame = 0;
+      std::from_chars(request.data(), request.data() + request.size(), frame);
+      VOLUTE_ASSIGN(const auto described, reader->describe(file, frame));
       return withFields(toMessage(described.first), described.second);
     }
     if (request != kTake) {
-      std::size_t instant = 0;
-      std::from_chars(request.data(), request.data() + request.size(), instant);
-      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, instant, field, share));
+      std::size_t frame = 0;
+      std::from_chars(request.data(), request.data() + request.size(), frame);
+      VOLUTE_ASSIGN(const MeshSize size, reader->load(file, frame, field, share));
       return toMessage(size);
     }
     VOLUTE_ASSIGN(const MeshData data, reader->take());
@@ -277,12 +277,12 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   return data;
 }
 
-Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t instant,
+Result<MeshData> readMesh(const std::filesystem::path& path, std::size_t frame,
                           const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
   ReaderProcess process(meshReader(path, options.field, options.share));
-  VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", instant), 0, limits));
+  VOLUTE_ASSIGN(const std::string reply, process.call(file, fmt::format("{}", frame), 0, limits));
   VOLUTE_ASSIGN(auto size, fromMessage<MeshSize>(reply));
   if (!settle(size))
     return notSound(file);
@@ -309,13 +309,13 @@ struct Description {
   CellSoup soup;
 };
 
-Result<Description> describeMesh(const std::filesystem::path& path, std::size_t instant,
+Result<Description> describeMesh(const std::filesystem::path& path, std::size_t frame,
                                  const MeshOptions& options) {
   const std::string file = path.string();
   VOLUTE_ASSIGN(const ReaderProcess::Limits limits, limitsFor(path, options.maxMemory));
   ReaderProcess process(meshReader(path, ""));
   VOLUTE_ASSIGN(const std::string reply,
-                process.call(file, fmt::format("{}{}", kDescribe, instant), 0, limits));
+                process.call(file, fmt::format("{}{}", kDescribe, frame), 0, limits));
   const std::string_view text = reply;
   Description described;
   VOLUTE_ASSIGN(described.contents,
@@ -454,8 +454,8 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
     source.readHeads();
   VOLUTE_TRY(source.leaveOutAbsent(path));
   bool ascending = extensionOf(path) == ".pvd";
-  for (const Instant& instant : source.instants_) {
-    const auto number = frameNumberOf(instant.file);
+  for (const FrameLocation& location : source.locations_) {
+    const auto number = frameNumberOf(location.file);
     ascending =
         ascending && number && (source.numbers_.empty() || *number > source.numbers_.back());
     source.numbers_.push_back(number.value_or(0));
@@ -472,7 +472,7 @@ MeshSource MeshSource::of(std::shared_ptr<const MemoryMesh> mesh, const std::fil
   source.path_ = name;
   source.times_ = mesh->times;
   for (std::size_t i = 0; i < mesh->times.size(); ++i) {
-    source.instants_.push_back({name, i});
+    source.locations_.push_back({name, i});
     source.numbers_.push_back(static_cast<int>(i));
   }
   source.memory_ = std::move(mesh);
@@ -501,13 +501,13 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
                 path.string());
   }
   if (extensionOf(path) == ".vtu") {
-    source.instants_ = {{path, 0}};
+    source.locations_ = {{path, 0}};
     source.times_ = {0};
     return source;
   }
   if (isMeshCase(path)) {
     VOLUTE_ASSIGN(source.times_, readTimes(path, options));
-    for (std::size_t i = 0; i < source.times_.size(); ++i) source.instants_.push_back({path, i});
+    for (std::size_t i = 0; i < source.times_.size(); ++i) source.locations_.push_back({path, i});
     return source;
   }
   if (extensionOf(path) != ".pvd") {
@@ -536,37 +536,37 @@ Result<MeshSource> MeshSource::list(const std::filesystem::path& path, const Mes
       return fail(ErrorCode::kInvalidData,
                   "{}: {} and {} are both at {} s; expected one file for each time (a .pvtu names "
                   "several pieces)",
-                  path.string(), source.instants_.back().file.filename().string(),
+                  path.string(), source.locations_.back().file.filename().string(),
                   file.path.string(), file.time);
     }
-    source.instants_.push_back({written.find(path.parent_path(), file.path.string()), 0});
+    source.locations_.push_back({written.find(path.parent_path(), file.path.string()), 0});
     source.times_.push_back(file.time);
   }
-  if (source.instants_.empty())
+  if (source.locations_.empty())
     return fail(ErrorCode::kInvalidData, "{}: names no files", path.string());
   return source;
 }
 
 template <class Absent>
 void MeshSource::leaveOut(const Absent& isAbsent) {
-  std::vector<Instant> instants;
+  std::vector<FrameLocation> locations;
   std::vector<double> times;
-  for (std::size_t i = 0; i < instants_.size(); ++i) {
+  for (std::size_t i = 0; i < locations_.size(); ++i) {
     if (isAbsent(i)) {
       absent_.push_back(times_[i]);
       continue;
     }
-    instants.push_back(instants_[i]);
+    locations.push_back(locations_[i]);
     times.push_back(times_[i]);
   }
-  instants_ = std::move(instants);
+  locations_ = std::move(locations);
   times_ = std::move(times);
 }
 
 void MeshSource::readHeads() {
   std::vector<CollectedFile> files;
-  for (std::size_t i = 0; i < instants_.size(); ++i)
-    files.push_back({instants_[i].file, times_[i]});
+  for (std::size_t i = 0; i < locations_.size(); ++i)
+    files.push_back({locations_[i].file, times_[i]});
   for (CollectedFile& file : files) {
     auto head = readHead(file.path, options_);
     if (!head) {
@@ -585,14 +585,14 @@ std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
     names.emplace_back();
     for (const MeshFieldSummary& field : fields) names.back().emplace_back(field.name);
   }
-  if (!instants_.empty() && extensionOf(instants_.front().file) == ".foam") {
-    for (const double time : times_) names.push_back(foamFields(instants_.front().file, time));
+  if (!locations_.empty() && extensionOf(locations_.front().file) == ".foam") {
+    for (const double time : times_) names.push_back(foamFields(locations_.front().file, time));
   }
   return names;
 }
 
 Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
-  if (instants_.size() < 2)
+  if (locations_.size() < 2)
     return {};
   if (isExodus(path))
     return leaveOutUnwritten();
@@ -610,7 +610,7 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
              return name == summary.name;
            });
   };
-  std::vector<bool> there(instants_.size(), true);
+  std::vector<bool> there(locations_.size(), true);
   if (extensionOf(path) == ".pvd") {
     if (fieldLists_.empty())
       return {};
@@ -650,11 +650,11 @@ Status MeshSource::leaveOutUnwritten() {
       return fail(ErrorCode::kInvalidData,
                   "{}: the time of instant {} was never written (netCDF's fill value); expected "
                   "ascending times",
-                  instants_[i].file.string(), i);
+                  locations_[i].file.string(), i);
     }
   }
   for (; whole > 1; --whole) {
-    const Instant& last = instants_[whole - 1];
+    const FrameLocation& last = locations_[whole - 1];
     const auto unwritten = [&](const std::string& field) {
       MeshOptions options = options_;
       options.field = field;
@@ -684,7 +684,7 @@ std::string MeshSource::absentText() const {
 
 /// The first frame that is read says what the field is in all.
 Status MeshSource::settleSeries(const MeshData& data, std::size_t frame) {
-  const std::string file = instants_[frame].file.string();
+  const std::string file = locations_[frame].file.string();
   if (settledField_.empty()) {
     settledField_ = data.field;
     settledOfCells_ = data.ofCells;
@@ -729,19 +729,19 @@ Status MeshSource::checkScale(const CellSoup& soup, std::size_t frame) const {
       return fail(ErrorCode::kInvalidData,
                   "{}: at {} s the mesh is {:.4g} times as large as at a time before, in all "
                   "directions; expected one unit of length, metres, at all times",
-                  instants_[frame].file.string(), times_[frame], scale);
+                  locations_[frame].file.string(), times_[frame], scale);
     }
   }
   return {};
 }
 
 Result<MeshData> MeshSource::dataOf(std::size_t frame, const std::string& field) const {
-  const Instant& instant = instants_[frame];
+  const FrameLocation& location = locations_[frame];
   if (memory_)
-    return dataIn(*memory_, frame, field, instant.file.string(), options_);
+    return dataIn(*memory_, frame, field, location.file.string(), options_);
   MeshOptions options = options_;
   options.field = field;
-  return readMesh(instant.file, instant.index, options);
+  return readMesh(location.file, location.index, options);
 }
 
 Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
@@ -758,8 +758,8 @@ Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
 }
 
 Result<MeshFrame> MeshSource::read(std::size_t frame) {
-  VOLUTE_ASSERT(frame < instants_.size());
-  const std::string file = instants_[frame].file.string();
+  VOLUTE_ASSERT(frame < locations_.size());
+  const std::string file = locations_[frame].file.string();
   auto read = dataOf(frame, options_.field.empty() ? settledField_ : options_.field);
   if (!read && read.error().code == ErrorCode::kNotFound && !settledField_.empty()) {
     return fail(ErrorCode::kInvalidData, "{} (at {} s; the first time has '{}')",
@@ -803,8 +803,8 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
 }
 
 Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
-  VOLUTE_ASSERT(frame < instants_.size());
-  const std::string file = instants_[frame].file.string();
+  VOLUTE_ASSERT(frame < locations_.size());
+  const std::string file = locations_[frame].file.string();
   Description described;
   if (memory_) {
     described = {contentsOf(*memory_), {}, memory_->cells};
@@ -812,7 +812,8 @@ Result<MeshDescription> MeshSource::describe(std::size_t frame) const {
     for (const MemoryMesh::Field& field : memory_->fields)
       described.fields.push_back(summaryOf(field, frame));
   } else {
-    VOLUTE_ASSIGN(described, describeMesh(instants_[frame].file, instants_[frame].index, options_));
+    VOLUTE_ASSIGN(described,
+                  describeMesh(locations_[frame].file, locations_[frame].index, options_));
   }
   MeshDescription description{described.contents, std::move(described.fields), nullptr};
   if (const auto split = splitCells(described.soup, file)) {

@@ -102,14 +102,14 @@ class MeshSource {
   std::vector<std::vector<std::string>> fieldNames() const;
 
   /// The file of a frame.
-  const std::filesystem::path& file(std::size_t frame) const { return instants_[frame].file; }
+  const std::filesystem::path& file(std::size_t frame) const { return locations_[frame].file; }
 
  private:
   [[nodiscard]] static Result<MeshSource> list(const std::filesystem::path& path,
                                                const MeshOptions& options);
 
   /// Location of a frame: a file, and the position in it.
-  struct Instant {
+  struct FrameLocation {
     std::filesystem::path file;
     std::size_t index = 0;
   };
@@ -128,7 +128,7 @@ class MeshSource {
 
   std::filesystem::path path_;
   std::shared_ptr<const MemoryMesh> memory_;  // null: files
-  std::vector<Instant> instants_;
+  std::vector<FrameLocation> locations_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then
   std::string contradiction_;

@@ -296,7 +296,7 @@ Result<MeshHead> readVtkHead(const std::filesystem::path& path) {
   return head;
 }
 
-Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t instant,
+Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t frame,
                                 const std::string& field, const MeshShare& share) {
   const std::string file = path.string();
   const std::string kind = extensionOf(path);
@@ -318,11 +318,11 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t i
   const auto reader = readerOf(path);
   const auto times = timesOf(*reader);
   VOLUTE_TRY(statusOfCase(watch, path));
-  if (instant >= times.size()) {
+  if (frame >= times.size()) {
     return fail(ErrorCode::kInvalidData, "{}: has {} instants now; expected more than {}", file,
-                times.size(), instant);
+                times.size(), frame);
   }
-  volume.time = times[instant];
+  volume.time = times[frame];
   if (kind == ".case")
     VOLUTE_TRY(checkEnsight(path, field, volume.time));
   reader->UpdateTimeStep(volume.time);

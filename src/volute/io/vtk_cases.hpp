@@ -17,7 +17,7 @@
 
 namespace volute {
 
-/// The instants of a .vtu file or a case.
+/// The times of a .vtu file or a case.
 [[nodiscard]] Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path);
 
 /// [s], as programs note it in the field data: VTK's (TimeValue) or VisIt (TIME); NaN where it is
@@ -27,7 +27,7 @@ double statedTime(vtkXMLReader& reader);
 /// Of a .vtu, or of the first piece of a .pvtu.
 [[nodiscard]] Result<MeshHead> readVtkHead(const std::filesystem::path& path);
 
-/// What a file has at one instant.
+/// What a file has in one frame.
 struct VtkVolume {
   vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks as one
   double time = 0;                            ///< [s]
@@ -36,8 +36,8 @@ struct VtkVolume {
 
 /// `field` is what will be taken of it, empty where that is not known yet. `share`: which pieces of
 /// a .pvtu; kUnsupported of other files, and where it has fewer pieces than shares.
-[[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path,
-                                              std::size_t instant, const std::string& field,
+[[nodiscard]] Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t frame,
+                                              const std::string& field,
                                               const MeshShare& share = {});
 
 }  // namespace volute

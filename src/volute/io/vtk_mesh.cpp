@@ -138,10 +138,10 @@ class VtkMeshReader final : public MeshReader {
     return readVtkTimes(path);
   }
 
-  Result<MeshSize> load(const std::filesystem::path& path, std::size_t instant,
+  Result<MeshSize> load(const std::filesystem::path& path, std::size_t frame,
                         const std::string& wanted, const MeshShare& share) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, wanted, share));
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, frame, wanted, share));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
@@ -164,8 +164,8 @@ class VtkMeshReader final : public MeshReader {
   Result<MeshHead> head(const std::filesystem::path& path) override { return readVtkHead(path); }
 
   Result<std::pair<MeshContents, std::vector<MeshFieldSummary>>> describe(
-      const std::filesystem::path& path, std::size_t instant) override {
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, instant, ""));
+      const std::filesystem::path& path, std::size_t frame) override {
+    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, frame, ""));
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;

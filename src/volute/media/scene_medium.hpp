@@ -91,7 +91,8 @@ struct SnapshotRequest {
   double time = 0;      ///< [s], of the scene
   double factor = 1;    ///< of all extinctions: PictureLaw::factor()
   bool coarse = false;  ///< soon is better than fine
-  bool moving = false;  ///< it is seen but for a moment: light and splines may have less detail
+  bool moving = false;  ///< it is shown for one picture of a film or a playback: light and splines
+                        ///< may have less detail
   bool lit = true;      ///< false: extinction alone is asked for, so no light need be worked out
   bool tree = false;    ///< of a .volute: the hexadeca-tree in memory, not the frame's bricks
   /// From where it will be seen [m]: what is in the way may be left out. Nothing: all is there.

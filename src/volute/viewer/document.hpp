@@ -61,7 +61,7 @@ struct PlaceFields {
 struct SceneRequest {
   double time = 0;  ///< [s]
   bool coarse = false;
-  bool moving = false;  ///< it is shown but for a moment: SnapshotRequest::moving
+  bool moving = false;  ///< SnapshotRequest::moving
   bool openGl = true;   ///< OpenGL will draw it: without, what only that needs may be left out
 };
 

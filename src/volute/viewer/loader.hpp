@@ -18,7 +18,7 @@
 
 namespace volute {
 
-/// What the loader has to say, at one moment.
+/// The state of the loader.
 struct LoaderState {
   bool busy = false;
   std::string stage;              ///< what it does

@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// What is in a case of smoke on a mesh: its instants, its cells and what becomes of them, its
-/// fields with their ranges at the first instant, or with `values` over all. Errors: of a file that
+/// What is in a case of smoke on a mesh: its frames, its cells and what becomes of them, its
+/// fields with their ranges in the first frame, or with `values` over all. Errors: of a file that
 /// cannot be read at all.
 [[nodiscard]] Result<FileDescription> describeMeshCase(const std::string& path, bool values,
                                                        Reading& reading);

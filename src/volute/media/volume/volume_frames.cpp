@@ -105,9 +105,9 @@ VolumeMedium::VolumeMedium(VolumeInput input, const Appearance& appearance)
   }
 }
 
-GridMatrix VolumeMedium::filePlaceAt(double moment) const {
-  const auto position = static_cast<std::size_t>(moment);
-  const double share = moment - static_cast<double>(position);
+GridMatrix VolumeMedium::filePlaceAt(double framePosition) const {
+  const auto position = static_cast<std::size_t>(framePosition);
+  const double share = framePosition - static_cast<double>(position);
   const GridMatrix& before = input_->places[position];
   if (share == 0 || position + 1 >= input_->places.size() || before == input_->places[position + 1])
     return before;
@@ -128,8 +128,8 @@ GridMatrix VolumeMedium::filePlaceAt(double moment) const {
   return gridMatrix(linear, there - linear * middle);
 }
 
-Placement VolumeMedium::placeAt(double moment) const {
-  const GridMatrix own = filePlaceAt(moment);
+Placement VolumeMedium::placeAt(double framePosition) const {
+  const GridMatrix own = filePlaceAt(framePosition);
   const Placement world = placed(appearance_);
   const Mat3 linear = world.turn * world.scale.asDiagonal() * linearOf(own);
   Placement place;
@@ -151,17 +151,17 @@ Placement VolumeMedium::placeAt(double moment) const {
   return place;
 }
 
-VolumeInfo VolumeMedium::infoAt(double moment) const {
+VolumeInfo VolumeMedium::infoAt(double framePosition) const {
   VolumeInfo info = volume_;
   if (hasPlaces())
-    info.bounds = scaled(fileBounds(), placeAt(moment).scale, Vec3::Zero());
+    info.bounds = scaled(fileBounds(), placeAt(framePosition).scale, Vec3::Zero());
   return info;
 }
 
-Placement VolumeMedium::placementAt(double moment) const {
+Placement VolumeMedium::placementAt(double framePosition) const {
   if (!hasPlaces())
     return placement_;
-  Placement place = placeAt(moment);
+  Placement place = placeAt(framePosition);
   place.scale = Vec3::Ones();
   return place;
 }
@@ -195,7 +195,7 @@ Box3 VolumeMedium::uprightBounds() const {
 }
 
 void VolumeMedium::setAppearance(const Appearance& appearance) {
-  shadedMoment_ = pathsMoment_ = lightMoment_ = -1;
+  shadedFramePosition_ = pathsFramePosition_ = lightFramePosition_ = -1;
   light_ = nullptr;
   drawnOf_ = drawn_ = nullptr;
   velocitiesChecked_ = velocitiesChecked_ && appearance.velocityUnit == appearance_.velocityUnit &&
@@ -208,7 +208,7 @@ void VolumeMedium::setAppearance(const Appearance& appearance) {
   if (hasPlaces()) {
     volume_.bounds = infoAt(0).bounds;
     placement_ = placementAt(0);
-    slice_ = nullptr, sliceMoment_ = -1;
+    slice_ = nullptr, sliceFramePosition_ = -1;
     return;
   }
   if (now.scale == before.scale && now.offset == before.offset && now.turn == before.turn)
@@ -615,19 +615,19 @@ VoxelMap VolumeMedium::voxelToFile(const GridMatrix& place) const {
   return {linear * voxel.asDiagonal(), linear * first + offsetOf(place)};
 }
 
-BetweenFrames VolumeMedium::instantAt(double moment) const {
-  const auto position = static_cast<std::size_t>(moment);
-  BetweenFrames instant{moment - static_cast<double>(position)};
+BetweenFrames VolumeMedium::betweenAt(double framePosition) const {
+  const auto position = static_cast<std::size_t>(framePosition);
+  BetweenFrames between{framePosition - static_cast<double>(position)};
   const auto& places = input_->places;
   if (!hasPlaces() || places[position] == places[position + 1])
-    return instant;
-  const VoxelMap here = voxelToFile(filePlaceAt(moment));
+    return between;
+  const VoxelMap here = voxelToFile(filePlaceAt(framePosition));
   const auto into = [&](const GridMatrix& place) -> VoxelMap {
     const VoxelMap back = voxelToFile(place).inverse();
     return {back.linear * here.linear, back.linear * here.offset + back.offset};
   };
-  instant.before = into(places[position]), instant.after = into(places[position + 1]);
-  return instant;
+  between.before = into(places[position]), between.after = into(places[position + 1]);
+  return between;
 }
 
 Mat3 VolumeMedium::velocityStep(int position, int in, VelocityUnit unit) const {
@@ -658,20 +658,20 @@ Mat3 VolumeMedium::velocityStep(int position, int in, VelocityUnit unit) const {
 }
 
 /// Once for a sequence: of the first frames in which something moves.
-Status VolumeMedium::checkVelocityUnit(double moment, const Velocities& before,
+Status VolumeMedium::checkVelocityUnit(double framePosition, const Velocities& before,
                                        const Velocities& after) {
   if (velocitiesChecked_)
     return {};
   constexpr double kPoor = 0.1, kClearly = 0.6;
-  const int position = static_cast<int>(moment);
+  const int position = static_cast<int>(framePosition);
   VOLUTE_ASSIGN(const auto first, frameOf(*input_->source, position));
   VOLUTE_ASSIGN(const auto second, frameOf(*input_->source, position + 1));
-  const BetweenFrames instant = instantAt(moment);
+  const BetweenFrames between = betweenAt(framePosition);
   const auto misfitIn = [&](VelocityUnit unit) {
     return misfit(*first, *second, before, after, velocityStep(position, position, unit),
-                  velocityStep(position, position + 1, unit), instant);
+                  velocityStep(position, position + 1, unit), between);
   };
-  const double still = misfit(*first, *second, before, after, Mat3::Zero(), Mat3::Zero(), instant);
+  const double still = misfit(*first, *second, before, after, Mat3::Zero(), Mat3::Zero(), between);
   if (!(still > 0))
     return {};
   velocitiesChecked_ = true;
@@ -713,38 +713,38 @@ Status VolumeMedium::checkVelocityUnit(double moment, const Velocities& before,
   return {};
 }
 
-Result<std::shared_ptr<const VoxelPaths>> VolumeMedium::pathsAt(double moment) {
+Result<std::shared_ptr<const VoxelPaths>> VolumeMedium::pathsAt(double framePosition) {
   if (interpolation_ != Interpolation::kVelocity)
     return std::shared_ptr<const VoxelPaths>();
-  if (moment == pathsMoment_)
+  if (framePosition == pathsFramePosition_)
     return paths_;
-  const int position = static_cast<int>(moment);
+  const int position = static_cast<int>(framePosition);
   VOLUTE_ASSIGN(const auto before, velocitiesOf(position));
   VOLUTE_ASSIGN(const auto after, velocitiesOf(position + 1));
-  VOLUTE_TRY(checkVelocityUnit(moment, before, after));
+  VOLUTE_TRY(checkVelocityUnit(framePosition, before, after));
   const VelocityUnit unit = appearance_.velocityUnit;
   paths_ = std::make_shared<const VoxelPaths>(
       pathsBetween(volume_, before, after, velocityStep(position, position, unit),
-                   velocityStep(position, position + 1, unit), instantAt(moment)));
-  pathsMoment_ = moment;
+                   velocityStep(position, position + 1, unit), betweenAt(framePosition)));
+  pathsFramePosition_ = framePosition;
   return paths_;
 }
 
-Result<VolumeMedium::Slice> VolumeMedium::readAt(FrameSource& source, double moment) {
-  const int position = static_cast<int>(moment);
+Result<VolumeMedium::Slice> VolumeMedium::readAt(FrameSource& source, double framePosition) {
+  const int position = static_cast<int>(framePosition);
   if (!(interpolation_ != Interpolation::kNone)) {
     VOLUTE_ASSIGN(auto slice, readSlice(source, position));
     return std::make_shared<const BrickSlice>(std::move(slice));
   }
   VOLUTE_ASSIGN(const auto before, frameOf(source, position));
-  if (moment == position)
+  if (framePosition == position)
     return before;
   VOLUTE_ASSIGN(const auto after, frameOf(source, position + 1));
-  VOLUTE_ASSIGN(const auto paths, pathsAt(moment));
+  VOLUTE_ASSIGN(const auto paths, pathsAt(framePosition));
   VolumeInfo info = volume_;
   info.channels = before->channels();
   return std::make_shared<const BrickSlice>(
-      blendFrames(info, *before, *after, instantAt(moment), paths.get()));
+      blendFrames(info, *before, *after, betweenAt(framePosition), paths.get()));
 }
 
 Result<std::vector<BrickPlace>> VolumeMedium::allBricks(const std::string& why) const {
@@ -763,11 +763,11 @@ Result<std::vector<BrickPlace>> VolumeMedium::allBricks(const std::string& why) 
   return places;
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double moment) {
-  if (moment == shadedMoment_)
+Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double framePosition) {
+  if (framePosition == shadedFramePosition_)
     return shadedSlice_;
   const int channels = volume_.channels;
-  VOLUTE_ASSIGN(const Slice main, readAt(*input_->source, moment));
+  VOLUTE_ASSIGN(const Slice main, readAt(*input_->source, framePosition));
   const auto grid = [&](const std::string& name) -> Result<Slice> {
     if (name.empty())
       return Slice();
@@ -775,7 +775,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double mom
     if (name == input_->source->info().name) {
       slice = main;
     } else if (const auto& other = others_.at(name)) {
-      VOLUTE_ASSIGN(slice, readAt(*other->source, moment));
+      VOLUTE_ASSIGN(slice, readAt(*other->source, framePosition));
     } else {
       VolumeInfo empty = volume_;
       empty.channels = 1;
@@ -790,7 +790,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double mom
   const auto flames = appearance_.flames;
   const auto& transfer = appearance_.transfer;
   const bool emits = flames || transfer || appearance_.emission != 0;
-  VolumeInfo info = infoAt(moment);
+  VolumeInfo info = infoAt(framePosition);
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
@@ -806,7 +806,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double mom
     }
     same.dropEmpty();
     shadedSlice_ = std::make_shared<const BrickSlice>(std::move(same));
-    shadedMoment_ = moment;
+    shadedFramePosition_ = framePosition;
     return shadedSlice_;
   }
   Slice burns, hot;
@@ -877,11 +877,12 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double mom
   });
   slice.dropEmpty();
   shadedSlice_ = std::make_shared<const BrickSlice>(std::move(slice));
-  shadedMoment_ = moment;
+  shadedFramePosition_ = framePosition;
   return shadedSlice_;
 }
 
-Result<std::vector<Rgb>> VolumeMedium::colorsAt(double moment, std::span<const Vec3> points) {
+Result<std::vector<Rgb>> VolumeMedium::colorsAt(double framePosition,
+                                                std::span<const Vec3> points) {
   const std::string& name = appearance_.colors;
   Slice planes[3];
   const auto whole = others_.find(name), red = others_.find(name + "_r");
@@ -890,18 +891,18 @@ Result<std::vector<Rgb>> VolumeMedium::colorsAt(double moment, std::span<const V
   if (whole != others_.end()) {
     if (!whole->second)
       return std::vector<Rgb>();
-    VOLUTE_ASSIGN(planes[0], readAt(*whole->second->source, moment));
+    VOLUTE_ASSIGN(planes[0], readAt(*whole->second->source, framePosition));
   } else {
     constexpr const char* kEnds[] = {"_r", "_g", "_b"};
     for (int c = 0; c < 3; ++c) {
       const auto& input = others_.at(name + kEnds[c]);
       if (!input)
         return std::vector<Rgb>();
-      VOLUTE_ASSIGN(planes[c], readAt(*input->source, moment));
+      VOLUTE_ASSIGN(planes[c], readAt(*input->source, framePosition));
     }
   }
   // Colours may be of the smoke or times its density: the brightest channel of each is 1.
-  const Box3 bounds = infoAt(moment).bounds;
+  const Box3 bounds = infoAt(framePosition).bounds;
   const Vec3 voxel = bounds.size().cwiseQuotient(Vec3(volume_.x, volume_.y, volume_.z));
   std::vector<Rgb> colors(points.size(), Rgb::Ones());
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -953,11 +954,11 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
 
 Result<std::unique_ptr<SightField>> VolumeMedium::sight(Reading& reading) {
   measuresSight_ = true;
-  sliceMoment_ = -1;
+  sliceFramePosition_ = -1;
   return SceneMedium::sight(reading);
 }
 
-Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double moment) const {
+Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double framePosition) const {
   constexpr float kOvershoot = 0.1F;  // of the largest value
   float least = 0, most = 0;
   for (const float value : slice->values())
@@ -968,8 +969,8 @@ Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double momen
     return fail(ErrorCode::kInvalidData,
                 "{}: grid '{}', frame {}: values go from {:g} to {:g}; expected an extinction, "
                 "which is not below 0",
-                path_, volume_.name, volume_.frameText(static_cast<std::size_t>(moment)), least,
-                most);
+                path_, volume_.name, volume_.frameText(static_cast<std::size_t>(framePosition)),
+                least, most);
   }
   BrickSlice positive(*slice);
   for (std::size_t i = 0; i < positive.storedBricks(); ++i) {
@@ -980,19 +981,19 @@ Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double momen
   return std::make_shared<const BrickSlice>(std::move(positive));
 }
 
-Result<std::shared_ptr<const BrickSlice>> VolumeMedium::sliceAt(double moment) {
-  if (moment == sliceMoment_)
+Result<std::shared_ptr<const BrickSlice>> VolumeMedium::sliceAt(double framePosition) {
+  if (framePosition == sliceFramePosition_)
     return slice_;
-  VOLUTE_ASSIGN(slice_, readAt(*input_->source, moment));
+  VOLUTE_ASSIGN(slice_, readAt(*input_->source, framePosition));
   if (measuresSight_ && appearance_.extinction != 0) {
-    VOLUTE_ASSIGN(slice_, asExtinction(slice_, moment));
+    VOLUTE_ASSIGN(slice_, asExtinction(slice_, framePosition));
   }
   // One that was kept may have been read for another place.
-  const VolumeInfo info = infoAt(moment);
+  const VolumeInfo info = infoAt(framePosition);
   if (slice_->basis() != info.basis || slice_->bounds().min != info.bounds.min ||
       slice_->bounds().max != info.bounds.max)
     slice_ = std::make_shared<const BrickSlice>(asItLooks(*slice_, info));
-  sliceMoment_ = moment;
+  sliceFramePosition_ = framePosition;
   return slice_;
 }
 
@@ -1008,7 +1009,7 @@ int VolumeMedium::positionAt(double time) const {
   return after - own <= kWritten * (after - before) ? position + 1 : position;
 }
 
-double VolumeMedium::momentAt(double time) const {
+double VolumeMedium::framePositionAt(double time) const {
   constexpr double kWhole = 1e-6;  // of the way: this near a frame it is that frame
   const int position = positionAt(time);
   if (!(interpolation_ != Interpolation::kNone) || position + 1 >= volume_.frames)

@@ -32,9 +32,9 @@ double pixelsOfVoxel(const Camera& view, const Box3& bounds, double voxel) {
 
 }  // namespace
 
-VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, double moment, double factor)
-    : info_(of.infoAt(moment)),
-      placement_(of.placementAt(moment)),
+VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, double framePosition, double factor)
+    : info_(of.infoAt(framePosition)),
+      placement_(of.placementAt(framePosition)),
       emission_(of.appearance().emission),
       extinction_(factor * of.appearance().extinction),
       factor_(factor),
@@ -52,8 +52,8 @@ VolumeSnapshot::VolumeSnapshot(const VolumeSnapshot& other,
       provisional_(other.provisional_) {}
 
 VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice,
-                               double moment, double factor)
-    : VolumeSnapshot(of, moment, factor) {
+                               double framePosition, double factor)
+    : VolumeSnapshot(of, framePosition, factor) {
   slice_ = std::move(slice);
 }
 
@@ -65,8 +65,8 @@ VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const Tre
 }
 
 VolumeSnapshot::VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light,
-                               double moment, double factor)
-    : VolumeSnapshot(of, moment, factor) {
+                               double framePosition, double factor)
+    : VolumeSnapshot(of, framePosition, factor) {
   light_ = std::move(light);
 }
 
@@ -285,7 +285,7 @@ Result<std::shared_ptr<const MediumSnapshot>> VolumeMedium::at(const SnapshotReq
                                                                Progress& progress) {
   progress_ = &progress;
   const int position = positionAt(request.time);
-  const double moment = shown_ = momentAt(request.time);
+  const double framePosition = shown_ = framePositionAt(request.time);
   if (appearance_.surface) {
     // It is among the scene's surfaces, and there is nothing else.
     auto nothing = std::make_shared<VolumeSnapshot>(
@@ -309,9 +309,10 @@ Result<std::shared_ptr<const MediumSnapshot>> VolumeMedium::at(const SnapshotReq
           "bricks, or leave the preset or the transfer function out",
           path_);
     }
-    VOLUTE_ASSIGN(auto light, lightAt(moment, request.lit, request.moving));
+    VOLUTE_ASSIGN(auto light, lightAt(framePosition, request.lit, request.moving));
     block_ = rowOf(position);
-    auto lit = std::make_shared<VolumeSnapshot>(*this, std::move(light), moment, request.factor);
+    auto lit =
+        std::make_shared<VolumeSnapshot>(*this, std::move(light), framePosition, request.factor);
     lit->setProvisional(lightMoves_);
     return lit;
   }
@@ -325,11 +326,11 @@ Result<std::shared_ptr<const MediumSnapshot>> VolumeMedium::at(const SnapshotReq
     block_ = rowOf(position);
     return std::make_shared<const VolumeSnapshot>(*this, std::move(tree), position, request.factor);
   }
-  VOLUTE_ASSIGN(auto slice, sliceAt(moment));
+  VOLUTE_ASSIGN(auto slice, sliceAt(framePosition));
   block_ = rowOf(position);
   const bool moves = request.moving && refines(*slice) && slice != drawnOf_;
   auto shown = std::make_shared<VolumeSnapshot>(
-      *this, moves ? moved(*slice) : drawn(std::move(slice)), moment, request.factor);
+      *this, moves ? moved(*slice) : drawn(std::move(slice)), framePosition, request.factor);
   shown->setProvisional(moves);
   return shown;
 }
@@ -448,12 +449,12 @@ bool endsLight(const BrickSlice& slice) {
 
 }  // namespace
 
-Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, bool lit,
+Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double framePosition, bool lit,
                                                                  bool moving) {
-  if (moment == lightMoment_ && (lightIsWhole_ || !lit) && (moving || !lightMoves_))
+  if (framePosition == lightFramePosition_ && (lightIsWhole_ || !lit) && (moving || !lightMoves_))
     return light_;
-  VOLUTE_ASSIGN(auto slice, shadedSliceAt(moment));
-  const Placement place = placementAt(moment);
+  VOLUTE_ASSIGN(auto slice, shadedSliceAt(framePosition));
+  const Placement place = placementAt(framePosition);
   VolumeLighting lighting;
   lighting.ownFire = false;
   if (lit)
@@ -474,10 +475,10 @@ Result<std::shared_ptr<const VolumeLight>> VolumeMedium::lightAt(double moment, 
                         : smooth        ? ShadedVoxels::withTiles(std::move(slice))
                                         : ShadedVoxels(std::move(slice));
   if (lit && appearance_.scatters() && !appearance_.colors.empty()) {
-    VOLUTE_ASSIGN(lighting.colors, colorsAt(moment, volume.lightPoints()));
+    VOLUTE_ASSIGN(lighting.colors, colorsAt(framePosition, volume.lightPoints()));
   }
   light_ = std::make_shared<const VolumeLight>(std::move(volume), std::move(lighting));
-  lightMoment_ = moment;
+  lightFramePosition_ = framePosition;
   lightIsWhole_ = lit;
   lightMoves_ = moves;
   return light_;

@@ -32,16 +32,16 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info);
 class VolumeSnapshot final : public MediumSnapshot {
  public:
   /// @param factor  of the appearance's extinction
-  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice, double moment,
-                 double factor);
+  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice,
+                 double framePosition, double factor);
 
   /// The frame at a position of a tree. Its bricks are only made for who asks for them.
   VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position,
                  double factor);
 
   /// One that burns or is lit; its light is the same from all cameras.
-  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light, double moment,
-                 double factor);
+  VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const VolumeLight> light,
+                 double framePosition, double factor);
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
@@ -88,7 +88,7 @@ class VolumeSnapshot final : public MediumSnapshot {
   const std::shared_ptr<const BrickSlice>& slice() const;
 
  private:
-  VolumeSnapshot(const VolumeMedium& of, double moment, double factor);
+  VolumeSnapshot(const VolumeMedium& of, double framePosition, double factor);
   /// A copy in other light.
   VolumeSnapshot(const VolumeSnapshot& other, std::shared_ptr<const VolumeLight> light);
   AffineMap place() const;
@@ -153,18 +153,19 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// Its frames; bounds are those in the scene, but for what the placement does besides.
   const VolumeInfo& volume() const { return volume_; }
 
-  /// The same at a moment, and what is to be done to points within its bounds: turn and offset, no
-  /// scale. They differ where the file's grid moves.
-  VolumeInfo infoAt(double moment) const;
-  Placement placementAt(double moment) const;
+  /// The same at a frame position (2.25: a quarter from the third frame to the fourth), and the
+  /// turn and offset, without scale, that points within its bounds take. They differ where the
+  /// file's grid moves.
+  VolumeInfo infoAt(double framePosition) const;
+  Placement placementAt(double framePosition) const;
 
-  /// The frame at a moment as bricks. The last one is kept.
-  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(double moment);
+  /// The frame at a frame position as bricks. The last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(double framePosition);
 
   /// The position of the frame that is shown at a time of the scene [s] and, where it is asked to
   /// be interpolated, the share of the way to the next one that has gone by: 2.25 is a quarter from
   /// the third to the fourth.
-  double momentAt(double time) const;
+  double framePositionAt(double time) const;
 
   /// When a frame begins in the scene's time [s], and what the file calls it.
   double timeOf(int position) const;
@@ -219,9 +220,9 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   Mat3 upright() const;
   /// From the own space of a file that has places to its world. Between frames the grid turns and
   /// grows evenly from one to the other; where one mirrors the other it jumps.
-  GridMatrix filePlaceAt(double moment) const;
-  /// From the file's space to the scene's, at a moment.
-  Placement placeAt(double moment) const;
+  GridMatrix filePlaceAt(double framePosition) const;
+  /// From the file's space to the scene's, at a frame position.
+  Placement placeAt(double framePosition) const;
   Placement placed(const Appearance& appearance) const;
   /// Looks for what holds nearly all where something may be far away from it.
   [[nodiscard]] Status findContent(Progress& progress);
@@ -233,19 +234,20 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Status openOthers(Reading& reading);
   /// A grid of a frame, as volume() says.
   [[nodiscard]] Result<BrickSlice> readSlice(FrameSource& source, int position);
-  /// The same at a moment.
-  [[nodiscard]] Result<Slice> readAt(FrameSource& source, double moment);
+  /// The same at a frame position.
+  [[nodiscard]] Result<Slice> readAt(FrameSource& source, double framePosition);
   /// No value of it is below 0; see sight().
-  [[nodiscard]] Result<Slice> asExtinction(Slice slice, double moment) const;
-  /// A stored frame; those around the last moment are kept.
+  [[nodiscard]] Result<Slice> asExtinction(Slice slice, double framePosition) const;
+  /// A stored frame; those around the last frame position are kept.
   [[nodiscard]] Result<Slice> frameOf(FrameSource& source, int position);
   /// All bricks of the volume; kTooLarge where they are too many.
   [[nodiscard]] Result<std::vector<BrickPlace>> allBricks(const std::string& why) const;
-  /// The frame at a moment with all that shines or absorbs in it: extinction without the factor
-  /// of a picture's law, and emission. The last one is kept. Only for Appearance::shaded().
-  [[nodiscard]] Result<Slice> shadedSliceAt(double moment);
+  /// The frame at a frame position with all that shines or absorbs in it: extinction without the
+  /// factor of a picture's law, and emission. The last one is kept. Only for Appearance::shaded().
+  [[nodiscard]] Result<Slice> shadedSliceAt(double framePosition);
   /// The colour of the albedo at each light point of a volume of that frame; empty: it has none.
-  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(double moment, std::span<const Vec3> points);
+  [[nodiscard]] Result<std::vector<Rgb>> colorsAt(double framePosition,
+                                                  std::span<const Vec3> points);
   /// The hexadeca-tree that holds the frame at a position, and others of its blocks. The last one
   /// is kept. kInvalidArgument for what is no .volute.
   [[nodiscard]] Result<std::shared_ptr<const Tree4d>> treeAt(int position);
@@ -259,8 +261,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   bool refines(const BrickSlice& slice) const;
   /// Values between frames by velocities, as a trilinear slice.
   static Slice moved(const BrickSlice& slice);
-  /// Of a moment; the last one is kept.
-  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double moment, bool lit,
+  /// The light at a frame position; the last one is kept.
+  [[nodiscard]] Result<std::shared_ptr<const VolumeLight>> lightAt(double framePosition, bool lit,
                                                                    bool moving = false);
 
   // ---- between frames
@@ -270,17 +272,17 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// What the other grids say of the velocities; an error where they are none.
   [[nodiscard]] Status checkVelocities(Reading& reading);
   /// Null where frames go over into each other in place.
-  [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double moment);
+  [[nodiscard]] Result<std::shared_ptr<const VoxelPaths>> pathsAt(double framePosition);
   [[nodiscard]] Result<Velocities> velocitiesOf(int position);
   /// From a velocity to its way between the frame at a position and the next one, in the voxels of
   /// the frame at `in` [voxels].
   Mat3 velocityStep(int position, int in, VelocityUnit unit) const;
   /// Says so where two frames fit together in another unit of their velocities.
-  [[nodiscard]] Status checkVelocityUnit(double moment, const Velocities& before,
+  [[nodiscard]] Status checkVelocityUnit(double framePosition, const Velocities& before,
                                          const Velocities& after);
   /// From a place among the file's voxels, 0 at the centre of the first, to its world.
   VoxelMap voxelToFile(const GridMatrix& place) const;
-  BetweenFrames instantAt(double moment) const;
+  BetweenFrames betweenAt(double framePosition) const;
 
   /// A tree holds one row of blocks: a still reads no more, and a film of any length needs its
   /// memory.
@@ -306,11 +308,11 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   Progress* progress_ = nullptr;  ///< of the call that is going on
   std::uint64_t maxMemory_ = 0;   ///< [bytes]
 
-  double shown_ = 0;  ///< the moment that was asked for last
+  double shown_ = 0;  ///< the last requested frame position
   bool measuresSight_ = false;
-  double sliceMoment_ = -1;
+  double sliceFramePosition_ = -1;
   Slice slice_;
-  double shadedMoment_ = -1;
+  double shadedFramePosition_ = -1;
   Slice shadedSlice_;
   Slice drawnOf_, drawn_;
   std::shared_ptr<const Tree4d> tree_;
@@ -323,11 +325,11 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   VectorKind vectors_{};                                ///< of the former
   std::vector<KeptFrame> kept_;
   bool velocitiesChecked_ = false;
-  double pathsMoment_ = -1;
+  double pathsFramePosition_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;
 
   VolumeLighting lighting_;
-  double lightMoment_ = -1;
+  double lightFramePosition_ = -1;
   bool lightIsWhole_ = false;  ///< else of the extinction alone
   bool lightMoves_ = false;    ///< as SnapshotRequest::moving has it
   std::shared_ptr<const VolumeLight> light_;

@@ -191,10 +191,10 @@ std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlic
 
 // Where nothing moves in either frame, nothing goes anywhere.
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Mat3& early, const Mat3& late, const BetweenFrames& instant) {
+                        const Mat3& early, const Mat3& late, const BetweenFrames& between) {
   VoxelPaths paths;
-  addPlaces(info, before, instant.before, paths.places);
-  addPlaces(info, after, instant.after, paths.places);
+  addPlaces(info, before, between.before, paths.places);
+  addPlaces(info, after, between.after, paths.places);
   settle(paths.places);
   const BrickSlice shape(info);
   paths.table =
@@ -204,9 +204,9 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
   paths.from.resize(paths.places.size() * BrickSlice::kVoxels);
   paths.to.resize(paths.from.size());
   const Flow earlier(before), later(after);
-  const PlaceMap toBefore(instant.before), toAfter(instant.after);
-  const MatN<float, 3, 3> back = (-instant.share * early).cast<float>(),
-                          ahead = ((1 - instant.share) * late).cast<float>();
+  const PlaceMap toBefore(between.before), toAfter(between.after);
+  const MatN<float, 3, 3> back = (-between.share * early).cast<float>(),
+                          ahead = ((1 - between.share) * late).cast<float>();
   forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const VoxelPlace atBefore = toBefore(place), atAfter = toAfter(place);
     const VoxelPlace a = earlier.read(atBefore), b = later.read(atAfter);
@@ -278,10 +278,10 @@ Misfit misfitOf(const BrickSlice& one, const BrickSlice& other, const Velocities
 
 double misfit(const BrickSlice& before, const BrickSlice& after, const Velocities& vBefore,
               const Velocities& vAfter, const Mat3& early, const Mat3& late,
-              const BetweenFrames& instant) {
-  const VoxelMap back = instant.before.inverse();
-  const VoxelMap onward{instant.after.linear * back.linear,
-                        instant.after.linear * back.offset + instant.after.offset};
+              const BetweenFrames& between) {
+  const VoxelMap back = between.before.inverse();
+  const VoxelMap onward{between.after.linear * back.linear,
+                        between.after.linear * back.offset + between.after.offset};
   const Misfit forwards = misfitOf(before, after, vBefore, early, onward);
   const Misfit backwards = misfitOf(after, before, vAfter, -late, onward.inverse());
   const double all = forwards.all + backwards.all;
@@ -289,21 +289,21 @@ double misfit(const BrickSlice& before, const BrickSlice& after, const Velocitie
 }
 
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
-                       const BetweenFrames& instant, const VoxelPaths* paths) {
-  const auto late = static_cast<float>(instant.share), early = 1 - late;
+                       const BetweenFrames& between, const VoxelPaths* paths) {
+  const auto late = static_cast<float>(between.share), early = 1 - late;
   const auto alias = [](const BrickSlice& slice) {
     return std::shared_ptr<const BrickSlice>(std::shared_ptr<void>(), &slice);
   };
   std::vector<BrickPlace> places;
-  addPlaces(info, std::array{alias(before)}, instant.before, places);
-  addPlaces(info, std::array{alias(after)}, instant.after, places);
+  addPlaces(info, std::array{alias(before)}, between.before, places);
+  addPlaces(info, std::array{alias(after)}, between.after, places);
   if (paths)
     places.insert(places.end(), paths->places.begin(), paths->places.end());
   settle(places);
   BrickSlice out(info, places);
   const int channels = info.channels;
   const Between a(before), b(after);
-  const PlaceMap toBefore(instant.before), toAfter(instant.after);
+  const PlaceMap toBefore(between.before), toAfter(between.after);
   forVoxels(info, places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const std::int32_t path = paths ? paths->table.at(places[brick]) : BrickTable::kEmpty;
     float from[3], to[3];

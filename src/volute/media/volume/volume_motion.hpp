@@ -36,11 +36,11 @@ struct VoxelMap {
   }
 };
 
-/// A time between two frames, whose grids may lie elsewhere in the world than that of the
-/// instant.
+/// A time between two frames, whose grids may lie elsewhere in the world than the
+/// grid at that time.
 struct BetweenFrames {
   double share = 0;            ///< of the time between the frames that has gone by, 0..1
-  VoxelMap before{}, after{};  ///< from a voxel of the snapshot to the same place in either frame
+  VoxelMap before{}, after{};  ///< from a voxel at that time to the same place in either frame
 };
 
 /// The paths along a velocity that is known in both frames: straight ones, found by iterating
@@ -48,12 +48,12 @@ struct BetweenFrames {
 /// with v interpolated between voxels and 0 outside, and x where it is in either frame.
 /// @param early, late  [voxels] from a velocity in either frame to its way between the frames
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
-                        const Mat3& early, const Mat3& late, const BetweenFrames& instant);
+                        const Mat3& early, const Mat3& late, const BetweenFrames& between);
 
 /// What is between two frames: (1 - share) of the one before and share of the one after it, each
 /// along the paths, or, where there are none, at the same place in the world.
 BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const BrickSlice& after,
-                       const BetweenFrames& instant, const VoxelPaths* paths);
+                       const BetweenFrames& between, const VoxelPaths* paths);
 
 /// How badly two frames fit together where each of their voxels goes along its own velocity to the
 /// other frame, which should have the same there: the root mean square of what differs, relative to
@@ -62,7 +62,7 @@ BrickSlice blendFrames(const VolumeInfo& info, const BrickSlice& before, const B
 /// @param early, late  as pathsBetween(); zero: nothing moves
 double misfit(const BrickSlice& before, const BrickSlice& after, const Velocities& vBefore,
               const Velocities& vAfter, const Mat3& early, const Mat3& late,
-              const BetweenFrames& instant);
+              const BetweenFrames& between);
 
 /// All places of bricks of some slices, in the order of isBefore(); null ones have none.
 std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices);

@@ -161,7 +161,7 @@ std::string writeBlobs(const TempFolder& folder, bool moving, double unit = 1,
 }
 
 std::vector<float> shownAt(VolumeMedium& layer, double time) {
-  const auto slice = layer.sliceAt(layer.momentAt(time));
+  const auto slice = layer.sliceAt(layer.framePositionAt(time));
   return slice ? dense(**slice) : std::vector<float>();
 }
 
@@ -434,12 +434,12 @@ TEST(VolumeMotion, APuffTurnsWithItsGridOrInIt) {
         appearance.interpolation = how;
         auto layer = VolumeMedium::open(file, input, appearance, reading);
         ASSERT_TRUE(layer) << layer.error().message;
-        const double moment = (*layer)->momentAt(0.5 / 25);
-        ASSERT_NEAR(moment, 0.5, 1e-6);
-        const auto slice = (*layer)->sliceAt(moment);
+        const double framePosition = (*layer)->framePositionAt(0.5 / 25);
+        ASSERT_NEAR(framePosition, 0.5, 1e-6);
+        const auto slice = (*layer)->sliceAt(framePosition);
         ASSERT_TRUE(slice) << slice.error().message;
-        const VolumeInfo info = (*layer)->infoAt(moment);
-        const Placement place = (*layer)->placementAt(moment);
+        const VolumeInfo info = (*layer)->infoAt(framePosition);
+        const Placement place = (*layer)->placementAt(framePosition);
         double most = 0;
         for (int z = 4; z < 36; ++z)
           for (int y = 4; y < 36; ++y)
@@ -482,8 +482,8 @@ TEST(VolumeMotion, ALayerWithoutVelocitiesSaysSo) {
   appearance.interpolation = Interpolation::kAuto;
   auto layer = VolumeMedium::open(file, {}, appearance, reading);
   ASSERT_TRUE(layer) << layer.error().message;
-  EXPECT_NEAR((*layer)->momentAt(0.5 / 25), 0.5, 1e-9);
-  EXPECT_EQ((*layer)->momentAt(1), 1);
+  EXPECT_NEAR((*layer)->framePositionAt(0.5 / 25), 0.5, 1e-9);
+  EXPECT_EQ((*layer)->framePositionAt(1), 1);
 }
 
 }  // namespace
