@@ -10,11 +10,11 @@
 #define HEIGHT 240
 #define SIDE 32
 
-static int heard = 0;
+static int reports = 0;
 
 static int listen(void* user, const char* stage, double done, double total) {
   (void)stage, (void)done, (void)total;
-  ++heard;
+  ++reports;
   return *(const int*)user; /* other than 0: stop */
 }
 
@@ -51,7 +51,7 @@ int main(int count, char** arguments) {
 
   stop = 1, view.width = 4000, view.height = 3000;
   if (volute_drawing_draw(drawing, &view, huge, sizeof huge) != VOLUTE_CANCELLED) return 1;
-  printf("%d reports; then: %s\n", heard, volute_error());
+  printf("%d reports; then: %s\n", reports, volute_error());
   volute_drawing_close(drawing);
   return 0;
 }

@@ -522,7 +522,7 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
     source = withoutHoles(std::move(source));
   RoundedFrames rounded(*source, rounding);
   const CompressReport report =
-      run(progress, [&](Progress& heard) { return compress(rounded, path, options, heard); });
+      run(progress, [&](Progress& toCaller) { return compress(rounded, path, options, toCaller); });
   return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
                   "rms"_a = report.relativeRms, "support_rms"_a = report.support.rms,
                   "support_share"_a = report.support.share, "max_error"_a = report.maxError,

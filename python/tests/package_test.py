@@ -655,10 +655,10 @@ time.sleep(float(sys.argv[2]))
         volute.open(self.file).verify()
 
     def test_progress_and_what_it_raises(self):
-        heard = []
-        volute.compress(self.values[:4], self.path / "small.volute", progress=lambda *said: heard.append(said))
-        self.assertTrue(any(done == total for _, done, total in heard))
-        self.assertTrue(all(isinstance(stage, str) for stage, _, _ in heard))
+        reports = []
+        volute.compress(self.values[:4], self.path / "small.volute", progress=lambda *said: reports.append(said))
+        self.assertTrue(any(done == total for _, done, total in reports))
+        self.assertTrue(all(isinstance(stage, str) for stage, _, _ in reports))
 
         def stop(stage, done, total):
             raise RuntimeError("that will do")
@@ -750,8 +750,8 @@ time.sleep(float(sys.argv[2]))
         self.assertEqual(scene.bounds, ((0, 0, 0), (1.8, 2, 2.4)))
         np.testing.assert_allclose(scene.times, np.arange(20) * 0.5)
         camera = {"eye": [-3, 1, 1.2], "target": [1, 1, 1.2], "ortho": 2.4}
-        heard = []
-        picture = scene.render(3.0, camera=camera, size=(60, 48), progress=lambda *said: heard.append(said))
+        reports = []
+        picture = scene.render(3.0, camera=camera, size=(60, 48), progress=lambda *said: reports.append(said))
         self.assertEqual((picture.shape, picture.dtype), ((48, 60, 3), np.float32))
         self.assertGreater(picture.max(), 0.05)
         np.testing.assert_array_equal(picture, volute.render(scene, 3.0, camera=camera, size=(60, 48)))

@@ -69,9 +69,9 @@ class StoppedDrawer final : public TooSmall {
 };
 
 struct Remarks final : Progress {
-  void remark(const Remark& remark) override { heard += remark.sentence; }
+  void remark(const Remark& remark) override { sentences += remark.sentence; }
 
-  std::string heard;
+  std::string sentences;
 };
 
 FilmJob jobWith(ErrorCode code, bool mayFallBack) {
@@ -94,7 +94,7 @@ TEST(FilmJob, TheCpuDrawsWhatOpenGlCannotWhereItMay) {
     const auto image = job.picture({}, remarks);
     ASSERT_TRUE(image) << image.error().message;
     EXPECT_EQ(image->at(1, 1, 0), 0.5F);
-    EXPECT_NE(remarks.heard.find("the device is too small"), std::string::npos);
+    EXPECT_NE(remarks.sentences.find("the device is too small"), std::string::npos);
     EXPECT_EQ(job.stats()["renderer"], "cpu");
   }
 }
@@ -129,7 +129,7 @@ TEST(FilmJob, OpenGlThatWasAskedForFails) {
   Remarks remarks;
   FilmJob job = jobWith(ErrorCode::kTooLarge, false);
   EXPECT_EQ(job.picture({}, remarks).error().code, ErrorCode::kTooLarge);
-  EXPECT_EQ(remarks.heard, "");
+  EXPECT_EQ(remarks.sentences, "");
   FilmJob stopped = jobWith(ErrorCode::kCancelled, true);
   EXPECT_EQ(stopped.picture({}, remarks).error().code, ErrorCode::kCancelled);
 }

@@ -8,7 +8,7 @@
 #include "volute/gl/gl_testing.hpp"
 #include "volute/render/scaled_medium.hpp"
 
-// A kind of medium that the renderer has never heard of: all that it needs is in this file.
+// A kind of medium that the renderer does not know: all that it needs is in this file.
 
 namespace volute {
 

@@ -160,14 +160,14 @@ TEST(ShareFit, PiecesOfAMeshGiveWhatTheWholeGives) {
   std::vector<std::vector<double>> sums[2];
   std::vector<float> fitted[2];
   for (int round = 0; round <= 3; ++round) {
-    std::vector<std::vector<double>> heard[2];
+    std::vector<std::vector<double>> sent[2];
     for (int side = 0; side < 2; ++side) {
       const Part& part = parts[side];
       std::size_t call = 0;
       const auto add = [&](std::span<double> own) -> Status {
         std::vector<double> all(shares.size(), 0);
         for (std::size_t v = 0; v < own.size(); ++v) all[part.vertices[v]] = own[v];
-        heard[side].push_back(all);
+        sent[side].push_back(all);
         if (call < sums[1 - side].size()) {
           for (std::size_t v = 0; v < own.size(); ++v)
             own[v] += sums[1 - side][call][part.vertices[v]];
@@ -177,7 +177,7 @@ TEST(ShareFit, PiecesOfAMeshGiveWhatTheWholeGives) {
       };
       fitted[side] = *fitOf(ShareFit(*part.mesh, part.extinction, part.shares), add);
     }
-    for (int side = 0; side < 2; ++side) sums[side] = heard[side];
+    for (int side = 0; side < 2; ++side) sums[side] = sent[side];
   }
   double moved = 0;
   for (int side = 0; side < 2; ++side) {

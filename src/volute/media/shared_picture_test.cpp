@@ -99,7 +99,7 @@ TEST(SharedPicture, RunsOfSeveralMediaAreTheirUnion) {
   }
 }
 
-// Who leaves with an error is heard of in the middle of a picture.
+// All ranks learn of one that leaves with an error in the middle of a picture.
 TEST(SharedPicture, AnErrorOfOneRankEndsAll) {
   onRanks(3, [](Team& team) {
     if (team.rank() == 1) {

@@ -217,8 +217,8 @@ Result<std::vector<std::shared_ptr<SceneMedium>>> Scene::openMedia(
                         std::shared_ptr<SceneMedium> before) -> Status {
     const MediumEntry& entry = entries[i];
     const SceneEntry here{path_, entry};
-    EntryProgress heard(progress, here);
-    Reading reading{heard, options_.maxMemory, options_.files.volumes.get()};
+    EntryProgress entryProgress(progress, here);
+    Reading reading{entryProgress, options_.maxMemory, options_.files.volumes.get()};
     nlohmann::json json = *entry.json;
     for (const auto& [name, value] : options_.overrides->items()) {
       if (entry.kind->fields().find(name))

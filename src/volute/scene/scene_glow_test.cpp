@@ -70,23 +70,23 @@ class SceneGlow : public testing::Test {
         R"({"format": "volute-scene-1", "camera": {"eye": [0, -30, 8], "target": [0, 0, 4], "fov": 40},
             "geometry": [{"file": "ground.obj"}], "media": [)" +
         media + "]" + more + "}");
-    auto scene = Scene::make(json, (folder_ / "scene.json").string(), {}, heard_);
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), {}, remarks_);
     EXPECT_TRUE(scene) << scene.error().message;
-    auto snapshot = scene->at({}, heard_);
+    auto snapshot = scene->at({}, remarks_);
     EXPECT_TRUE(snapshot) << snapshot.error().message;
     return snapshot.value_or(SceneSnapshot());
   }
 
-  class Heard : public Progress {
+  class Remarks : public Progress {
    public:
-    void remark(const Remark& said) override { remarks += said.sentence + "\n"; }
+    void remark(const Remark& said) override { text += said.sentence + "\n"; }
 
-    std::string remarks;
+    std::string text;
   };
 
   ScratchFolder folder_;
   double power_ = 0;  ///< per solid angle
-  Heard heard_;
+  Remarks remarks_;
 };
 
 TEST_F(SceneGlow, FarAwayABallIsAPointOfItsPower) {
@@ -97,7 +97,7 @@ TEST_F(SceneGlow, FarAwayABallIsAPointOfItsPower) {
   double power = 0;
   for (const Lamp& lamp : lamps) power += lamp.intensity[0];
   EXPECT_NEAR(power, 2 * power_, 1e-9 * power);
-  EXPECT_THAT(heard_.remarks, testing::HasSubstr("lights the rest of the scene"));
+  EXPECT_THAT(remarks_.text, testing::HasSubstr("lights the rest of the scene"));
   // On the ground: base color / pi * power / r^2 * cosine.
   for (const double far : {0.0, 6.0, 15.0}) {
     const Segment down{Vec3(far, 0, 1), -Vec3::UnitZ(), 0, 10};
@@ -132,7 +132,7 @@ TEST_F(SceneGlow, CloseByItIsTheSumOfItsVoxels) {
 
 TEST_F(SceneGlow, OnlyWhatIsAskedToOrBurnsLights) {
   EXPECT_TRUE(at(fire(R"(, "emission": 2)")).lights.lamps.empty());
-  EXPECT_TRUE(heard_.remarks.empty()) << heard_.remarks;
+  EXPECT_TRUE(remarks_.text.empty()) << remarks_.text;
   const std::string burning = R"(, "emission": 0, "flames": {"field": "density", "brightness": 1})";
   EXPECT_FALSE(at(fire(burning)).lights.lamps.empty());
   EXPECT_TRUE(at(fire(burning + R"(, "lights_scene": "never")")).lights.lamps.empty());
@@ -215,7 +215,7 @@ class SceneScattering : public SceneGlow {
     SceneOptions options;
     options.files.measured = measured;
     options.multiple = multiple;
-    auto scene = Scene::make(json, (folder_ / "scene.json").string(), options, heard_);
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), options, remarks_);
     if (!scene) {
       said_ = scene.error().message;
       return -1;
@@ -225,7 +225,7 @@ class SceneScattering : public SceneGlow {
       if (one.path == "/scattering")
         scattering_ = one.value.front();
     }
-    auto snapshot = scene->at({}, heard_);
+    auto snapshot = scene->at({}, remarks_);
     EXPECT_TRUE(snapshot) << snapshot.error().message;
     std::vector<AnyMedium> media;
     snapshot->media.front()->addMedia(media);
@@ -255,9 +255,9 @@ TEST_F(SceneScattering, MultipleIsBrighterInThickSmoke) {
 
 TEST_F(SceneScattering, WhatIsMeasuredScattersOnce) {
   const double single = seen("", true);
-  EXPECT_TRUE(heard_.remarks.empty()) << heard_.remarks;
+  EXPECT_TRUE(remarks_.text.empty()) << remarks_.text;
   EXPECT_EQ(seen(R"(, "scattering": "multiple")", true), single);
-  EXPECT_THAT(heard_.remarks, testing::HasSubstr("left out of what is measured"));
+  EXPECT_THAT(remarks_.text, testing::HasSubstr("left out of what is measured"));
 }
 
 TEST_F(SceneScattering, ItIsOneOfTwoWords) {

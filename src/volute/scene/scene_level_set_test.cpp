@@ -61,30 +61,30 @@ class SceneLevelSet : public testing::Test {
         nlohmann::ordered_json::parse(R"({"format": "volute-scene-2", )" + members + "}");
     SceneOptions pictures;
     pictures.files.measured = false;
-    auto scene = Scene::make(json, (folder_ / "scene.json").string(), pictures, heard_);
+    auto scene = Scene::make(json, (folder_ / "scene.json").string(), pictures, remarks_);
     EXPECT_TRUE(scene) << scene.error().message;
     if (!scene)
       return {};
-    auto snapshot = scene->at({}, heard_);
+    auto snapshot = scene->at({}, remarks_);
     EXPECT_TRUE(snapshot) << snapshot.error().message;
     return snapshot.value_or(SceneSnapshot());
   }
 
-  class Heard : public Progress {
+  class Remarks : public Progress {
    public:
-    void remark(const Remark& said) override { remarks += said.sentence + "\n"; }
+    void remark(const Remark& said) override { text += said.sentence + "\n"; }
 
-    std::string remarks;
+    std::string text;
   };
 
   ScratchFolder folder_;
-  Heard heard_;
+  Remarks remarks_;
 };
 
 TEST_F(SceneLevelSet, AreSurfacesInTheLightOfAStudioOrOfTheScene) {
   const SceneSnapshot alone = at(R"("media": [{"kind": "volume", "file": "ball.vdb"}])");
-  EXPECT_THAT(heard_.remarks, testing::HasSubstr("the surface of the level set"));
-  EXPECT_THAT(heard_.remarks, testing::Not(testing::HasSubstr("what glows")));
+  EXPECT_THAT(remarks_.text, testing::HasSubstr("the surface of the level set"));
+  EXPECT_THAT(remarks_.text, testing::Not(testing::HasSubstr("what glows")));
   ASSERT_FALSE(alone.geometry.empty());
   EXPECT_EQ(alone.lights.lamps.size(), 1u);
   const Segment down{Vec3(0.5, 0.5, 3), -Vec3::UnitZ(), 0, 10};
@@ -180,7 +180,7 @@ TEST_F(SceneLevelSet, AreLitAsWhatTheyAre) {
 TEST_F(SceneLevelSet, AreDenseMatterWhereThatIsAskedFor) {
   const SceneSnapshot matter =
       at(R"("media": [{"kind": "volume", "file": "ball.vdb", "preset": "smoke"}])");
-  EXPECT_THAT(heard_.remarks, testing::HasSubstr("dense matter"));
+  EXPECT_THAT(remarks_.text, testing::HasSubstr("dense matter"));
   EXPECT_TRUE(matter.geometry.empty());
 }
 

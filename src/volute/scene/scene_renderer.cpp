@@ -124,16 +124,16 @@ class SceneRenderer::Opaque {
 Result<Image> SceneRenderer::render(const SceneSnapshot& snapshot, const Camera& camera,
                                     const RenderOptions& options, Progress& progress,
                                     PictureCounts* counts) {
-  PictureCounts unheard;
-  return picture({snapshot, camera}, options, progress, counts ? *counts : unheard);
+  PictureCounts ignoredCounts;
+  return picture({snapshot, camera}, options, progress, counts ? *counts : ignoredCounts);
 }
 
 Result<Image> SceneRenderer::renderSmooth(const SceneSnapshot& snapshot, const Camera& camera,
                                           const RenderOptions& options, int samples,
                                           const PictureStyle& shown, Progress& progress,
                                           PictureCounts* counts) {
-  PictureCounts unheard;
-  PictureCounts& counted = counts ? *counts : unheard;
+  PictureCounts ignoredCounts;
+  PictureCounts& counted = counts ? *counts : ignoredCounts;
   VOLUTE_ASSIGN(auto image, picture({snapshot, camera}, options, progress, counted));
   PictureStyle look = shown;
   look.glow = 0, look.dither = false;
@@ -171,9 +171,9 @@ Result<Image> SceneRenderer::renderSmooth(const SceneSnapshot& snapshot, const C
 
 Result<Image> SceneRenderer::renderBare(const SceneSnapshot& snapshot, const Camera& camera,
                                         const RenderOptions& options, Progress& progress) {
-  PictureCounts unheard;
+  PictureCounts ignoredCounts;
   return picture({.snapshot = snapshot, .camera = camera, .surfaces = false}, options, progress,
-                 unheard);
+                 ignoredCounts);
 }
 
 Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Progress& progress,

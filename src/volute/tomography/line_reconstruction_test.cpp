@@ -291,12 +291,12 @@ TEST_F(LineFileTest, FramesBecomeVolumes) {
   text += "9,9,9,9,9,8,1,4\n";
   std::ofstream(file_) << text;
   Progress quiet;
-  RemarkLog heard(quiet);
+  RemarkLog remarkLog(quiet);
   const std::string file = file_.string();
   CaptureOptions where;
   where.resolution = {8, 0, 0};
   where.frames = {4, std::nullopt, 1};
-  const auto all = reconstructLineFile(file, where, {}, false, heard);
+  const auto all = reconstructLineFile(file, where, {}, false, remarkLog);
   ASSERT_TRUE(all) << all.error().message;
   const VolumeInfo& info = all->volumes.info;
   EXPECT_EQ(info.name, "extinction");
@@ -308,25 +308,27 @@ TEST_F(LineFileTest, FramesBecomeVolumes) {
   EXPECT_EQ(all->records[0]["lines"], 61);
   EXPECT_TRUE(all->records[0]["spread"].is_null());
   EXPECT_GT(all->mean("residual"), 0);
-  EXPECT_THAT(heard.sentences(), Contains(HasSubstr("box around the lines' ends")));
+  EXPECT_THAT(remarkLog.sentences(), Contains(HasSubstr("box around the lines' ends")));
 
   where.bounds = kGeometry.bounds;
-  const auto refused = reconstructLineFile(file, where, {}, false, heard);
+  const auto refused = reconstructLineFile(file, where, {}, false, remarkLog);
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("frame 4: row"));
-  const auto rest = reconstructLineFile(file, where, {}, true, heard);
+  const auto rest = reconstructLineFile(file, where, {}, true, remarkLog);
   ASSERT_TRUE(rest) << rest.error().message;
   EXPECT_EQ(rest->records[0]["lines"], 60);
-  EXPECT_THAT(heard.sentences(), Contains(HasSubstr("1 of 61 lines of frame 4 miss the volume")));
+  EXPECT_THAT(remarkLog.sentences(),
+              Contains(HasSubstr("1 of 61 lines of frame 4 miss the volume")));
   EXPECT_EQ(rest->volumes.info.x, 8);
   EXPECT_EQ(rest->volumes.info.y, 6);
 
   where.frames = {7, 9, 1};
-  EXPECT_EQ(reconstructLineFile(file, where, {}, true, heard).error().code,
+  EXPECT_EQ(reconstructLineFile(file, where, {}, true, remarkLog).error().code,
             ErrorCode::kInvalidArgument);
   where.frames = {};
   where.maxMemory = 1 << 12;
-  EXPECT_EQ(reconstructLineFile(file, where, {}, true, heard).error().code, ErrorCode::kTooLarge);
+  EXPECT_EQ(reconstructLineFile(file, where, {}, true, remarkLog).error().code,
+            ErrorCode::kTooLarge);
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ std::optional<std::string> DesktopDialog::poll() {
   for (;;) {
     const ssize_t count = ::read(output_, part.data(), part.size());
     if (count > 0) {
-      heard_.append(part.data(), static_cast<std::size_t>(count));
+      answer_.append(part.data(), static_cast<std::size_t>(count));
       continue;
     }
     if (count < 0 && (errno == EAGAIN || errno == EINTR))
@@ -109,7 +109,7 @@ std::optional<std::string> DesktopDialog::poll() {
   ::waitpid(process_, &status, 0);
   process_ = 0;
   const bool chosen = WIFEXITED(status) && WEXITSTATUS(status) == 0;
-  return chosen ? heard_.substr(0, heard_.find('\n')) : "";
+  return chosen ? answer_.substr(0, answer_.find('\n')) : "";
 }
 
 std::vector<FolderEntry> folderEntries(const std::filesystem::path& folder, std::size_t most) {

@@ -28,7 +28,7 @@ class DesktopDialog {
   DesktopDialog(int process, int output) : process_(process), output_(output) {}
 
   int process_, output_;
-  std::string heard_;
+  std::string answer_;
 };
 
 /// An entry of a folder in the viewer's own list.

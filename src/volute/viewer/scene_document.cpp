@@ -94,12 +94,12 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   scene.files.lightMemory = std::make_shared<LightMemory>(kLightBytes);
   if (path == options.file)
     scene.members = options.members;
-  RemarkLog heard(progress);
-  VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, heard));
+  RemarkLog remarkLog(progress);
+  VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, remarkLog));
   if (options.beginAt && path == options.file)
     VOLUTE_TRY(checkSceneTime(opened, *options.beginAt));
   std::unique_ptr<SceneDocument> document(new SceneDocument(path, std::move(opened), options));
-  document->sceneRemarks_ = heard.sentences();
+  document->sceneRemarks_ = remarkLog.sentences();
   for (const auto& medium : document->scene_.media()) {
     for (const Remark& remark : medium->remarks)
       std::erase(document->sceneRemarks_, remark.sentence);

@@ -111,10 +111,10 @@ class FdsKind final : public MediumKind {
     });
     if (before)
       return before->with(smoke, context);
-    RemarkLog heard(context.reading.progress);
-    Reading reading = context.reading.with(heard);
+    RemarkLog remarkLog(context.reading.progress);
+    Reading reading = context.reading.with(remarkLog);
     VOLUTE_ASSIGN(auto medium, FdsMedium::open(smoke, context, reading));
-    medium->remarks = heard.remarks();
+    medium->remarks = remarkLog.remarks();
     return medium;
   }
 

@@ -40,14 +40,15 @@ class FogKind final : public MediumKind {
       medium = before->with(fog, lamps);
       medium->remarks = before->remarks;
     } else {
-      RemarkLog heard(context.reading.progress);
-      Reading reading = context.reading.with(heard);
+      RemarkLog remarkLog(context.reading.progress);
+      Reading reading = context.reading.with(remarkLog);
       VOLUTE_ASSIGN(medium, FogSceneMedium::open(fog, lamps, reading));
       if (!context.geometry.empty() && !lamps.empty() &&
           !shadowsFog(context.geometry, lamps, medium->fogAt(0)))
-        heard.remark({RemarkCode::kDoubtful,
-                      fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
-      medium->remarks = heard.remarks();
+        remarkLog.remark(
+            {RemarkCode::kDoubtful,
+             fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
+      medium->remarks = remarkLog.remarks();
     }
     if (before || last)
       medium->keepPainted(before ? *before : *last);

@@ -136,15 +136,15 @@ class SmokeKind final : public MediumKind {
                                             MediumContext& context) const override {
     VOLUTE_ASSIGN(const auto smoke, parseSmoke(entry, {context.file, context.path}));
     const auto lighting = lightingOf(context);
-    RemarkLog heard(context.reading.progress);
-    Reading reading = context.reading.with(heard);
+    RemarkLog remarkLog(context.reading.progress);
+    Reading reading = context.reading.with(remarkLog);
     const auto before = context.take<SmokeMedium>([&](const SmokeMedium& other) {
       return SmokeMedium::readsTheSame(other.description(), smoke);
     });
     auto medium = before ? before->with(smoke, lighting, reading)
                          : SmokeMedium::open(smoke, lighting, reading, context.options);
     VOLUTE_TRY(medium);
-    (*medium)->remarks = heard.remarks();
+    (*medium)->remarks = remarkLog.remarks();
     return *medium;
   }
 

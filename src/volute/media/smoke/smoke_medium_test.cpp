@@ -216,31 +216,31 @@ TEST_F(SmokeMediumTest, AnErrorLeavesTheLayerAsItWas) {
 
 TEST_F(SmokeMediumTest, SaysThatSmokeLooksLikeClearAirAndWhichUnitItMayHave) {
   struct Remarks final : Progress {
-    void remark(const Remark& remark) override { heard += remark.sentence; }
+    void remark(const Remark& remark) override { sentences += remark.sentence; }
 
-    std::string heard;
+    std::string sentences;
   };
 
-  const auto heard = [this](double unit, double scale = 1) {
+  const auto remarksWith = [this](double unit, double scale = 1) {
     Remarks remarks;
     Reading reading{remarks, std::uint64_t{1} << 30};
     SmokeDescription smoke = smoke_;
     smoke.model.unit = unit;
     smoke.model.scale = scale;
     EXPECT_TRUE(SmokeMedium::open(smoke, std::make_shared<const SmokeLighting>(), reading, {}));
-    return remarks.heard;
+    return remarks.sentences;
   };
-  EXPECT_EQ(heard(1).find("clear air"), std::string::npos);
+  EXPECT_EQ(remarksWith(1).find("clear air"), std::string::npos);
   // 6e-5 kg/m3 at most, read as milligrammes: 5.22e-7/m over a diagonal of 9 m.
-  const std::string milligrammes = heard(1e-6);
+  const std::string milligrammes = remarksWith(1e-6);
   EXPECT_NE(milligrammes.find("step 0: this looks like clear air"), std::string::npos);
   EXPECT_NE(milligrammes.find("above 4.7e-06"), std::string::npos) << milligrammes;
   EXPECT_NE(milligrammes.find("read as kg/m3 instead of mg/m3 it would be 6e-05"),
             std::string::npos)
       << milligrammes;
-  EXPECT_NE(heard(1e-3).find("read as kg/m3 instead of g/m3"), std::string::npos);
+  EXPECT_NE(remarksWith(1e-3).find("read as kg/m3 instead of g/m3"), std::string::npos);
   // 7.5e-7 kg/m3, of which 6 % of the light can be missed.
-  const std::string little = heard(1e-3, 12.5);
+  const std::string little = remarksWith(1e-3, 12.5);
   EXPECT_NE(little.find("this is little for a fire"), std::string::npos) << little;
   EXPECT_NE(little.find("read as kg/m3 instead of g/m3 it would be 0.00075"), std::string::npos)
       << little;

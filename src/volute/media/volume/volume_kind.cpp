@@ -56,11 +56,11 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
   });
   if (before)
     return before->with(appearance);
-  RemarkLog heard(context.reading.progress);
-  Reading reading = context.reading.with(heard);
+  RemarkLog remarkLog(context.reading.progress);
+  Reading reading = context.reading.with(remarkLog);
   VOLUTE_ASSIGN(auto medium,
                 VolumeMedium::open(file, input, appearance, reading, std::move(frame)));
-  medium->remarks = heard.remarks();
+  medium->remarks = remarkLog.remarks();
   return medium;
 }
 
@@ -146,8 +146,8 @@ class VolumeKind final : public MediumKind {
     VOLUTE_ASSIGN(auto volume,
                   readAs<SceneVolume>(volumeFields(), entry, {context.file, context.path}));
     const FieldOrigin origin{context.file, context.path};
-    RemarkLog heard(context.reading.progress);
-    Reading reading = context.reading.with(heard);
+    RemarkLog remarkLog(context.reading.progress);
+    Reading reading = context.reading.with(remarkLog);
     InputOptions input = volume.input;
     input.partial = context.options.partial, input.verify = context.options.verify;
     const bool said =
@@ -199,17 +199,18 @@ class VolumeKind final : public MediumKind {
         !(context.lights.ambient.maxCoeff() > 0) && context.lights.suns.empty())
       addStudio(preset, context.version, lighting);
     if (appearance.extinction > 0 && !appearance.scatters() && !context.lights.suns.empty()) {
-      heard.remark(Remark(RemarkCode::kDoubtful,
-                          fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
-                                      context.file, context.path))
-                       .in(context.file, context.path));
+      remarkLog.remark(Remark(RemarkCode::kDoubtful,
+                              fmt::format("{}: {}: it scatters no light of the sun; say its albedo",
+                                          context.file, context.path))
+                           .in(context.file, context.path));
     }
     VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context, frame));
     if (context.options.sightOnly && !said && !entry.contains("extinction") &&
         !appearance.surface) {
-      VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), heard));
+      VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), remarkLog));
     }
-    medium->remarks.insert(medium->remarks.begin(), heard.remarks().begin(), heard.remarks().end());
+    medium->remarks.insert(medium->remarks.begin(), remarkLog.remarks().begin(),
+                           remarkLog.remarks().end());
     medium->setLighting(std::move(lighting));
     return std::shared_ptr<SceneMedium>(std::move(medium));
   }

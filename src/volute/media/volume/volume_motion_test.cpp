@@ -256,35 +256,35 @@ TEST(VolumeMotion, AWrongUnitOfVelocitiesIsTold) {
     if (file.empty())
       GTEST_SKIP() << "built without OpenVDB";
     for (const VelocityUnit stated : {kMetresPerSecond, kVoxelsPerFrame, kMetresPerFrame}) {
-      Remarks heard;
-      Reading reading{heard, 1 << 30};
+      Remarks remarks;
+      Reading reading{remarks, 1 << 30};
       Appearance appearance;
       appearance.interpolation = Interpolation::kVelocity;
       appearance.velocityUnit = stated;
       auto layer = VolumeMedium::open(file, input, appearance, reading);
       ASSERT_TRUE(layer) << layer.error().message;
       for (const double time : {0.3 / 25, 0.5 / 25}) shownAt(**layer, time);
-      ASSERT_EQ(heard.said_.size(), stated == truth ? 0 : 1) << at;
+      ASSERT_EQ(remarks.said_.size(), stated == truth ? 0 : 1) << at;
       if (stated == truth)
         continue;
-      EXPECT_THAT(heard.said_[0].sentence,
+      EXPECT_THAT(remarks.said_[0].sentence,
                   HasSubstr("frames 1 and 2 fit together along 'Velocity' in " +
                             std::string(kVelocityUnits[at]) + ", not in "));
-      ASSERT_EQ(heard.said_[0].hints.size(), 1u);
-      EXPECT_EQ(heard.said_[0].hints[0].value, kVelocityUnits[at]);
+      ASSERT_EQ(remarks.said_[0].hints.size(), 1u);
+      EXPECT_EQ(remarks.said_[0].hints[0].value, kVelocityUnits[at]);
     }
   }
   // What no unit explains.
   const TempFolder folder;
   const std::string file = writeBlobs(folder, true, 1e-4);
-  Remarks heard;
-  Reading reading{heard, 1 << 30};
+  Remarks remarks;
+  Reading reading{remarks, 1 << 30};
   Appearance appearance;
   appearance.interpolation = Interpolation::kVelocity;
   auto layer = VolumeMedium::open(file, input, appearance, reading);
   ASSERT_TRUE(layer) << layer.error().message;
   shownAt(**layer, 0.5 / 25);
-  EXPECT_TRUE(heard.said_.empty());  // nor is it in place that they fit
+  EXPECT_TRUE(remarks.said_.empty());  // nor is it in place that they fit
 }
 
 GridMetadata textOf(std::string name, std::string text) {
