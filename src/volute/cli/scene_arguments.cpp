@@ -80,7 +80,7 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   if (const auto scattering = arguments.find<std::string>("scattering"))
     options.multiple = *scattering == "multiple";
   if (arguments.flag("by-pieces") && context.team.size() > 1)
-    options.files.holders = &context.team;
+    options.files.team = &context.team;
   addUsualMembers(path,
                   {.measured = measured,
                    .depth = arguments.given("aov"),

@@ -29,17 +29,17 @@ SmvIndex meshesOf(const std::vector<int>& cells) {
 /// How many cells each share has; each mesh must be in one.
 std::vector<int> cellsOfShares(const std::vector<int>& cells, int shares) {
   const SmvIndex index = meshesOf(cells);
-  std::vector<int> sums, holders(cells.size(), 0);
+  std::vector<int> sums, owners(cells.size(), 0);
   for (int share = 0; share < shares; ++share) {
     const auto held = meshesOfShare(index, {share, shares}).value();
     int sum = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
       sum += held[i] ? cells[i] : 0;
-      holders[i] += held[i];
+      owners[i] += held[i];
     }
     sums.push_back(sum);
   }
-  EXPECT_EQ(holders, std::vector<int>(cells.size(), 1));
+  EXPECT_EQ(owners, std::vector<int>(cells.size(), 1));
   return sums;
 }
 

@@ -43,7 +43,7 @@ struct OpenOptions {
   std::shared_ptr<LightMemory> lightMemory{};      ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with
   /// the same calls in the same order; null: this process holds everything.
-  Team* holders = nullptr;
+  Team* team = nullptr;
   std::shared_ptr<const MemoryVolumes> volumes{};  ///< in memory, as Reading::volumes; may be null
 };
 

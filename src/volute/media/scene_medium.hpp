@@ -55,7 +55,7 @@ struct MediumInfo {
   bool burns = false;               ///< somewhere it may be brighter than white
   std::optional<PictureLaw> law{};  ///< that it wants to be seen through
   bool lawByC = false;  ///< C was said, not assumed, and nothing but the law depends on it
-  bool shared = false;  ///< this process holds a share of it, see OpenOptions::holders
+  bool shared = false;  ///< this process holds a share of it, see OpenOptions::team
   /// With `shared`: all ranks together find its first time, and what of lamps' light comes through
   /// it to surfaces.
   bool sharesAll = false;

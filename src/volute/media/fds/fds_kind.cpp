@@ -53,7 +53,7 @@ class FdsSharesPicture final : public MediumPicture {
     return [this](std::span<const Segment> segments, std::span<double> depths) {
       smoke_.opticalDepth(segments, depths);
       for (double& depth : depths) depth *= shares_.scale;
-      sumDepths(*shares_.holders, depths);
+      sumDepths(*shares_.team, depths);
     };
   }
 
@@ -74,14 +74,14 @@ class FdsSharesPicture final : public MediumPicture {
       for (std::size_t i = begin; i < end; ++i)
         depth[i] = static_cast<float>(factor * depths[i - begin]);
     });
-    sumDepths(*shares_.holders, depth);
+    sumDepths(*shares_.team, depth);
   }
 
   void lightOfPieces(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) const {
     const auto width = static_cast<std::size_t>(camera.width());
     composeRuns(
-        *shares_.holders,
+        *shares_.team,
         [&](std::size_t pixel) {
           const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
                                        static_cast<int>(pixel / width), opaqueDepth);

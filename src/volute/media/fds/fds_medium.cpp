@@ -150,9 +150,9 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
   options.partly = !drawn;
   auto opened = std::make_shared<FdsMedium>();
   FdsMedium& medium = *opened;
-  medium.holders_ = context.options.holders;
-  if (medium.holders_)
-    options.share = {medium.holders_->rank(), medium.holders_->size()};
+  medium.team_ = context.options.team;
+  if (medium.team_)
+    options.share = {medium.team_->rank(), medium.team_->size()};
   VOLUTE_ASSIGN(auto files, FdsCase::open(description.file, options));
   medium.description_ = description;
   medium.lights_ = context.lights;
@@ -202,8 +202,8 @@ Result<std::shared_ptr<FdsMedium>> FdsMedium::open(const FdsDescription& descrip
                                         source.name, source.description));
   }
   VOLUTE_TRY(medium.openFire(reading));
-  if (medium.holders_)
-    VOLUTE_TRY(checkShares(description, index, medium.holders_->size(), medium.burns()));
+  if (medium.team_)
+    VOLUTE_TRY(checkShares(description, index, medium.team_->size(), medium.burns()));
   medium.info_.burns = medium.burns();
   FdsLook look = description.look;
   if (medium.isClear())
@@ -285,7 +285,7 @@ void FdsMedium::describe() {
   info_.takeFrames(*this, static_cast<int>(case_->times().size()), description_.clock);
   info_.interpolates = true;
   info_.measured = true;
-  info_.shared = info_.sharesAll = holders_ != nullptr;
+  info_.shared = info_.sharesAll = team_ != nullptr;
   info_.captioned = description_.look.building != FdsBuildingView::kWhole;
   info_.law = description_.law;
 }
@@ -294,7 +294,7 @@ Result<std::shared_ptr<const MediumSnapshot>> FdsMedium::at(const SnapshotReques
                                                             Progress&) {
   const double time = request.time, scale = description_.scale;
   VOLUTE_ASSIGN(auto smoke, case_->field(caseTime(time)));
-  if (lights_.multiple && holders_ && request.lit && !lights_.lamps.empty()) {
+  if (lights_.multiple && team_ && request.lit && !lights_.lamps.empty()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: processes that share a case scatter light once; set \"scattering\" to single, "
                 "or use one process",
@@ -306,8 +306,8 @@ Result<std::shared_ptr<const MediumSnapshot>> FdsMedium::at(const SnapshotReques
     VOLUTE_ASSIGN(sheets, iso_->at(caseTime(time)));
   }
   std::optional<FdsShares> shares;
-  if (holders_)
-    shares = FdsShares{holders_, scale, burns() || !lights_.lamps.empty()};
+  if (team_)
+    shares = FdsShares{team_, scale, burns() || !lights_.lamps.empty()};
   FdsSnapshot::LightUp lightUp;
   if (request.lit) {
     smoke = smoke.withSource(description_.albedo * lights_.ambient);
@@ -319,7 +319,7 @@ Result<std::shared_ptr<const MediumSnapshot>> FdsMedium::at(const SnapshotReques
   auto made =
       std::make_shared<const FdsSnapshot>(std::move(smoke), request.factor * scale, std::move(fire),
                                           std::move(sheets), shares, lightUp);
-  if (holders_)
+  if (team_)
     made->lit();  // which all ranks find together
   return made;
 }
@@ -386,7 +386,7 @@ FdsSnapshot::Lit FdsMedium::inLight(const FdsField& field, double time,
                        .surfaces = lit.surfaces,
                        .albedo = description_.albedo,
                        .density = description_.scale,
-                       .holders = holders_};
+                       .team = team_};
   lit.smoke = std::make_shared<const LitMedium>(litFds(field, lamps));
   return lit;
 }
@@ -405,8 +405,8 @@ Status FdsMedium::openFire(Reading& reading) {
     return {};
   FdsOptions options{.volume = true};
   options.maxMemory = reading.maxMemory;
-  if (holders_)
-    options.share = {holders_->rank(), holders_->size()};
+  if (team_)
+    options.share = {team_->rank(), team_->size()};
   for (const std::string_view quantity : {kFdsFlameTemperature, kFdsHeatRelease}) {
     options.quantity = quantity;
     auto opened = FdsCase::open(case_->index(), options);
@@ -463,10 +463,10 @@ Result<double> FdsMedium::luminanceAt(double caseTime) const {
   VOLUTE_ASSIGN(const auto flame, flameOf(caseTime));
   VOLUTE_ASSIGN(const auto smoke, case_->field(caseTime));
   const double scale = description_.scale;
-  if (!holders_)
+  if (!team_)
     return flame.luminance(smoke, scale);
   const Box3 own = flame.burns() ? flame.bounds() : Box3();
-  VOLUTE_ASSIGN(const auto boxes, gatherValues(*holders_, std::span(&own, 1)));
+  VOLUTE_ASSIGN(const auto boxes, gatherValues(*team_, std::span(&own, 1)));
   Box3 box;
   for (const Box3& one : boxes) {
     if (one.empty())
@@ -476,7 +476,7 @@ Result<double> FdsMedium::luminanceAt(double caseTime) const {
   if (box.empty())
     return 0.0;
   return flame.luminance(smoke, scale, box,
-                         [&](std::span<double> values) { sumDepths(*holders_, values); });
+                         [&](std::span<double> values) { sumDepths(*team_, values); });
 }
 
 Result<FdsFlame> FdsMedium::flameOf(double caseTime) const {
@@ -750,8 +750,8 @@ Result<std::optional<FirstTime>> FdsMedium::firstTime(Progress& progress) {
     }
     amounts.push_back(amount);
   }
-  if (holders_)
-    sumDepths(*holders_, std::span<double>(amounts));
+  if (team_)
+    sumDepths(*team_, std::span<double>(amounts));
   for (const double amount : amounts) largest = std::max(largest, amount);
   const auto found = std::ranges::find_if(
       amounts, [&](double amount) { return amount > 0 && amount >= 0.5 * largest; });

@@ -30,9 +30,9 @@
 
 namespace volute {
 
-/// Whose ranks hold the meshes of a case together.
+/// A case whose meshes are distributed over the ranks of a team.
 struct FdsShares {
-  Team* holders = nullptr;
+  Team* team = nullptr;
   double scale = 1;     ///< the smoke is so many times as thick as the files say, whatever the law
   bool shines = false;  ///< FdsMedium::shines(), the same on all ranks
 };
@@ -221,7 +221,7 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   FdsDescription description_;
   SceneLights lights_;
   TriangleScene geometry_;  ///< of the scene
-  Team* holders_ = nullptr;
+  Team* team_ = nullptr;
   std::shared_ptr<FdsCase> case_;
   std::shared_ptr<FdsCase> heat_;  // null: no fire
   bool glows_ = false;             // heat_ holds the flames' temperature

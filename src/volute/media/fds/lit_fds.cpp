@@ -35,14 +35,14 @@ LitMedium litFds(const FdsField& field, const FdsLamps& lamps) {
   media.push_back(scaledBy(lamps.density, AnyMedium(smoke)));
   std::vector<LightField> fields;
   for (const Lamp& lamp : light.lamps) {
-    if (!lamps.holders) {
+    if (!lamps.team) {
       fields.emplace_back(lamp, media, box, options);
       continue;
     }
     fields.emplace_back(lamp, media, box, options,
                         [&](std::span<const Segment> ways, std::span<double> depths) {
                           media.back().opticalDepth(ways, depths);
-                          sumDepths(*lamps.holders, depths);
+                          sumDepths(*lamps.team, depths);
                         });
   }
   LitMedium::Options lit{{lamps.albedo, 0}, box, kStep * cell, shadowsOf(lamps.surfaces)};

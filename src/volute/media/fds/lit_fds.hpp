@@ -16,9 +16,9 @@ struct FdsLamps {
   TriangleScene surfaces{};  ///< the building and what else stands in the way
   Rgb albedo = Rgb::Zero();  ///< share of what smoke takes that it sends on, the same in all ways
   double density = 1;        ///< the smoke is so many times as thick as the field
-  /// Whose ranks hold a share of the field each; null: this holds all. Then there are no other
-  /// media, and light is scattered once.
-  Team* holders = nullptr;
+  /// The team whose ranks hold a share of the field each, and then there are no other media and
+  /// light is scattered once; null: this process holds all of it.
+  Team* team = nullptr;
 };
 
 /// Smoke in the light of lamps that reach it through itself and other media, and in the light that

@@ -186,7 +186,7 @@ TEST(LitFds, RanksThatHoldAShareEachFindTheLightOfTheWhole) {
   for (const int ranks : {2, 3}) {
     onRanks(ranks, [&](Team& team) {
       const FdsField own = threeMeshes(team.rank(), ranks);
-      const LitMedium lit = litFds(own, {.light = both, .albedo = Rgb::Ones(), .holders = &team});
+      const LitMedium lit = litFds(own, {.light = both, .albedo = Rgb::Ones(), .team = &team});
       for (int i = 0; i < 500; ++i) {
         const Vec3 point(6 * (i * 0.618 - std::floor(i * 0.618)), 2 * (i % 23 / 23.0),
                          2 * (i % 31 / 31.0));

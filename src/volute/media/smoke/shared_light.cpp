@@ -46,21 +46,21 @@ Result<std::vector<float>> sharedLampShares(const SharedMesh& mesh,
   const auto& [team, own, bounds] = mesh;
   const double near = 1e-6 * bounds.size().maxCoeff();
 
-  struct Holder {
+  struct RankShare {
     std::uint64_t points = 0;
     std::uint64_t hasLamp = 0;
   };
 
   const bool spot = lamp.kind == Lamp::Kind::kSpot;
-  const Holder self{points.size(), spot && own.find(lamp.position) >= 0};
-  VOLUTE_ASSIGN(const auto holders, gatherValues(team, std::span<const Holder>(&self, 1)));
+  const RankShare mine{points.size(), spot && own.find(lamp.position) >= 0};
+  VOLUTE_ASSIGN(const auto ranks, gatherValues(team, std::span<const RankShare>(&mine, 1)));
   const bool inside =
-      std::ranges::any_of(holders, [](const Holder& one) { return one.hasLamp != 0; });
+      std::ranges::any_of(ranks, [](const RankShare& one) { return one.hasLamp != 0; });
   std::vector<float> shares(points.size(), 0);
   // All ranks ask at once, so many vertices each.
   const std::size_t some =
       std::max<std::size_t>(1, kPoints / static_cast<std::size_t>(team.size()));
-  const std::uint64_t most = std::ranges::max(holders, {}, &Holder::points).points;
+  const std::uint64_t most = std::ranges::max(ranks, {}, &RankShare::points).points;
   for (std::size_t first = 0; first < most; first += some) {
     const std::size_t begin = std::min(first, points.size());
     const std::size_t count = std::min(some, points.size() - begin);

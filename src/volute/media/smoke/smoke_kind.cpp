@@ -44,20 +44,20 @@ class MeshPicture final : public MediumPicture {
     keep(natural_, smoke.state().extinction);
     keep(extinction_, smoke.extinction());
     keep(source_, smoke.state().source);
-    holders_ = smoke.holders();
+    team_ = smoke.team();
   }
 
   void opticalDepth(const Camera& camera, std::span<const float> opaqueDepth,
                     std::span<float> depth) override {
     setExtinction(natural_);
     splat_.opticalDepth(camera, opaqueDepth, depth);
-    if (holders_)
-      sumDepths(*holders_, depth);
+    if (team_)
+      sumDepths(*team_, depth);
   }
 
   void light(const Camera& camera, std::span<const float> opaqueDepth,
              std::span<float> rgbt) override {
-    if (holders_ && !source_.empty())
+    if (team_ && !source_.empty())
       return lightOfShares(camera, opaqueDepth, rgbt);
     setExtinction(extinction_);
     if (!source_.empty()) {
@@ -69,8 +69,8 @@ class MeshPicture final : public MediumPicture {
     }
     std::vector<float> depth(rgbt.size() / 4);
     splat_.opticalDepth(camera, opaqueDepth, depth);
-    if (holders_)
-      sumDepths(*holders_, depth);
+    if (team_)
+      sumDepths(*team_, depth);
     constexpr std::size_t kGrain = 1 << 14;  // pixels
     parallelRanges(depth.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -100,7 +100,7 @@ class MeshPicture final : public MediumPicture {
     const TetMedium own(locator_, extinction_, source_);
     const auto width = static_cast<std::size_t>(camera.width());
     composeRuns(
-        *holders_,
+        *team_,
         [&](std::size_t pixel) {
           const Segment ray = pixelRay(camera, static_cast<int>(pixel % width),
                                        static_cast<int>(pixel / width), opaqueDepth);
@@ -117,7 +117,7 @@ class MeshPicture final : public MediumPicture {
   std::vector<float> natural_, extinction_, source_;
   const std::vector<float>* shown_ = nullptr;  ///< what the splat has; null: something else
   bool sourceShown_ = false;
-  Team* holders_ = nullptr;
+  Team* team_ = nullptr;
 };
 
 std::shared_ptr<const SmokeLighting> lightingOf(const MediumContext& context) {
@@ -261,7 +261,7 @@ std::shared_ptr<const MediumSnapshot> SmokeSnapshot::litBy(const MediaLight& oth
   const Illumination light = lighting_->illumination(other);
   const std::size_t own = lighting_->lights.lamps.size();
   VOLUTE_ASSERT(state_.lampShares.size() == own);
-  if (holders_ || light.lamps.empty() || !(state_.albedo.maxCoeff() > 0))
+  if (team_ || light.lamps.empty() || !(state_.albedo.maxCoeff() > 0))
     return nullptr;
   const TetMesh& mesh = state_.locator->mesh();
   const ArrivingLight arriving(light, mesh.bounds());

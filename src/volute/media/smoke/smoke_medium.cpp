@@ -51,9 +51,9 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   if (!how.sightOnly)
     options.perTet = kPerTet;
   options.alsoField = description.densityField;
-  Team* const holders = how.holders;
-  if (holders)
-    options.share = {holders->rank(), holders->size()};
+  Team* const team = how.team;
+  if (team)
+    options.share = {team->rank(), team->size()};
   VOLUTE_ASSIGN(auto source, openMesh(description.file, options, reading));
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
@@ -71,13 +71,13 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   medium.remarked_ = how.sightOnly;
   medium.lighting_ = std::move(lighting);
   medium.progress_ = &reading.progress;
-  medium.holders_ = holders;
+  medium.team_ = team;
   VOLUTE_ASSIGN(const auto stored, medium.readStep(0));
   VOLUTE_TRY(medium.checkShare(*stored));
   medium.bounds_ = stored->frame.mesh->bounds();
-  if (holders) {
+  if (team) {
     const Box3 own = medium.bounds_;
-    VOLUTE_ASSIGN(const auto shares, gatherValues(*holders, std::span(&own, 1)));
+    VOLUTE_ASSIGN(const auto shares, gatherValues(*team, std::span(&own, 1)));
     for (const Box3& share : shares) medium.bounds_.extend(share);
   }
   VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
@@ -117,7 +117,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::with(
   medium.lighting_ = std::move(lighting);
   medium.progress_ = &reading.progress;
   medium.bounds_ = bounds_;
-  medium.holders_ = holders_;
+  medium.team_ = team_;
   medium.fillsCache_ = false;
   for (const auto& stored : files_->steps) {
     VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
@@ -134,7 +134,7 @@ void SmokeMedium::describe() {
   info_.file = smoke.file;
   info_.what = "smoke on a mesh";
   info_.kind = "smoke";
-  info_.shared = holders_ != nullptr;
+  info_.shared = team_ != nullptr;
   info_.bounds = info_.fileBounds = bounds_;
   info_.takeFrames(*this, static_cast<int>(source().times().size()), smoke.clock);
   info_.interpolates = true;
@@ -155,7 +155,7 @@ Result<std::shared_ptr<const MediumSnapshot>> SmokeMedium::at(const SnapshotRequ
                                                               Progress& progress) {
   VOLUTE_ASSIGN(auto state, stateAt(request.time, progress));
   return std::make_shared<const SmokeSnapshot>(std::move(state), request.factor, lighting_,
-                                               description_.walls, holders_);
+                                               description_.walls, team_);
 }
 
 MediumText SmokeMedium::text(const std::optional<Vec3>&) const {
@@ -213,7 +213,7 @@ Result<std::vector<float>> SmokeMedium::extinctionOf(const Stored& stored) const
 
 /// Of what a share of a mesh is not enough for.
 Status SmokeMedium::checkShare(const Stored& stored) const {
-  if (!holders_)
+  if (!team_)
     return {};
   std::string_view beyond;
   if (description_.walls)
@@ -232,9 +232,9 @@ Status SmokeMedium::checkShare(const Stored& stored) const {
 /// Of all shares. Collective where there are several.
 Result<double> SmokeMedium::largestOf(std::span<const float> extinction) {
   const double most = *std::ranges::max_element(extinction);
-  if (!holders_)
+  if (!team_)
     return most;
-  VOLUTE_ASSIGN(const auto all, gatherValues(*holders_, std::span(&most, 1)));
+  VOLUTE_ASSIGN(const auto all, gatherValues(*team_, std::span(&most, 1)));
   return std::ranges::max(all);
 }
 
@@ -378,8 +378,8 @@ std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
 Status SmokeMedium::light(Step& step) {
   const Stopwatch watch(counts_.lightMilliseconds);
   for (const Lamp& lamp : lighting_->lights.lamps) {
-    VOLUTE_ASSIGN(const auto both, holders_ ? sharedLightOf(step, lamp)
-                                            : Result<std::vector<float>>(lightOf(step, lamp)));
+    VOLUTE_ASSIGN(const auto both, team_ ? sharedLightOf(step, lamp)
+                                         : Result<std::vector<float>>(lightOf(step, lamp)));
     const auto middle = both.begin() + static_cast<std::ptrdiff_t>(both.size() / 2);
     step.lampShares.emplace_back(both.begin(), middle);
     step.lampMeans.emplace_back(middle, both.end());
@@ -388,7 +388,7 @@ Status SmokeMedium::light(Step& step) {
 }
 
 Result<std::vector<float>> SmokeMedium::sharedLightOf(const Step& step, const Lamp& lamp) {
-  const SharedMesh shared{*holders_, *step.stored->paths->locator(), bounds_};
+  const SharedMesh shared{*team_, *step.stored->paths->locator(), bounds_};
   const TetMesh& mesh = *step.stored->frame.mesh;
   VOLUTE_ASSIGN(auto shares, sharedLampShares(shared, step.extinction, lamp, mesh.vertices()));
   const ShareFit fit(mesh, step.extinction, shares);
@@ -441,7 +441,7 @@ Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
   const std::size_t after = static_cast<std::size_t>(next - times.begin());
   const std::size_t before = after == 0 ? 0 : after - 1;
   VOLUTE_ASSIGN(const auto from, step(before));
-  if (lighting_->lights.multiple && holders_) {
+  if (lighting_->lights.multiple && team_) {
     return fail(ErrorCode::kUnsupported,
                 "{}: processes that share a mesh scatter light once; set \"scattering\" to single, "
                 "or use one process",

@@ -63,12 +63,12 @@ struct SmokeCounts {
 class SmokeSnapshot final : public MediumSnapshot {
  public:
   SmokeSnapshot(SmokeState state, double factor, std::shared_ptr<const SmokeLighting> lighting,
-                std::optional<Rgb> walls, Team* holders = nullptr)
+                std::optional<Rgb> walls, Team* team = nullptr)
       : state_(std::move(state)),
         factor_(factor),
         lighting_(std::move(lighting)),
         walls_(std::move(walls)),
-        holders_(holders) {}
+        team_(team) {}
 
   void addMedia(std::vector<AnyMedium>& media) const override;
   void addExtinction(std::vector<AnyMedium>& media) const override;
@@ -97,7 +97,7 @@ class SmokeSnapshot final : public MediumSnapshot {
   double factor() const { return factor_; }
 
   /// Whose ranks hold a share each; null: this process holds all.
-  Team* holders() const { return holders_; }
+  Team* team() const { return team_; }
 
   /// [1/m], times the factor, one for each vertex.
   std::vector<float> extinction() const;
@@ -116,7 +116,7 @@ class SmokeSnapshot final : public MediumSnapshot {
   std::shared_ptr<const SmokeLighting> lighting_;
   std::optional<Rgb> walls_;
   std::unique_ptr<WallLight> wallLight_ = std::make_unique<WallLight>();
-  Team* holders_;
+  Team* team_;
 };
 
 class MediumKind;
@@ -241,7 +241,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   std::shared_ptr<Files> files_;
   std::shared_ptr<const SmokeLighting> lighting_;
   Box3 bounds_;
-  Team* holders_ = nullptr;
+  Team* team_ = nullptr;
   Progress* progress_ = nullptr;
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
   SmokeCounts counts_;
