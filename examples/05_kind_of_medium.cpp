@@ -113,7 +113,7 @@ class BallKind final : public MediumKind {
     static const FieldTable kTable = fieldTable<BallSaid>({.name = "ball",
                                                            .sentence = "an even ball of smoke",
                                                            .fields = kFields,
-                                                           .says = "ball",
+                                                           .kind = "ball",
                                                            .thing = "a ball of smoke",
                                                            .things = "balls of smoke"});
     return kTable;

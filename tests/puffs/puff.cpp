@@ -79,7 +79,7 @@ class PuffKind final : public MediumKind {
     static const FieldTable kTable = fieldTable<PuffSaid>({.name = "puff",
                                                            .sentence = "a round cloud",
                                                            .fields = kFields,
-                                                           .says = "puff",
+                                                           .kind = "puff",
                                                            .thing = "a puff",
                                                            .things = "puffs"});
     return kTable;

@@ -18,7 +18,7 @@ bool hasInnerOptions(const FieldRow& field) {
 }
 
 ValueKind valueKind(const FieldRow& field) {
-  if (!field.option.says.empty())
+  if (!field.option.flagValue.empty())
     return ValueKind::kFlag;
   if (field.option.parse)
     return ValueKind::kText;
@@ -142,7 +142,7 @@ Result<FieldValue> saidBy(const FieldRow& field, const std::string& name,
                           const Arguments& arguments) {
   switch (valueKind(field)) {
     case ValueKind::kFlag:
-      return field.option.says.empty() ? FieldValue(true) : FieldValue(field.option.says);
+      return field.option.flagValue.empty() ? FieldValue(true) : FieldValue(field.option.flagValue);
     case ValueKind::kNumber:
       return *arguments.find<double>(name);
     case ValueKind::kInteger:

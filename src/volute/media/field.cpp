@@ -168,17 +168,17 @@ Status checkNames(const FieldTable& table, const FieldValue& json, const FieldOr
     return origin.wrong(fmt::format("expected {} {} object", vowel ? "an" : "a", table.name));
   }
   std::vector<std::string_view> names;
-  if (!table.says.empty())
+  if (!table.kind.empty())
     names.emplace_back("kind");
   for (const FieldRow& field : table.fields) names.push_back(field.name);
   for (const auto& [key, value] : json.items()) {
-    if (table.find(key) || (key == "kind" && !table.says.empty()))
+    if (table.find(key) || (key == "kind" && !table.kind.empty()))
       continue;
     const FieldRow unknown{.name = key};
     // Kinds of one name are told apart by the file's.
     for (const MediumKind* kind : mediumKinds()) {
       const FieldTable& other = kind->fields();
-      if (!table.says.empty() && other.says == table.says && other.find(key))
+      if (!table.kind.empty() && other.kind == table.kind && other.find(key))
         return origin.wrong(unknown,
                             fmt::format("is for {}, and this is {}", other.things, table.thing));
     }
@@ -363,8 +363,8 @@ FieldValue usualValue(const FieldTable& table, const FieldRow& field) {
 nlohmann::ordered_json writeFields(const FieldTable& table, const void* object,
                                    const std::string& file) {
   nlohmann::ordered_json json = nlohmann::ordered_json::object();
-  if (!table.says.empty())
-    json["kind"] = table.says;
+  if (!table.kind.empty())
+    json["kind"] = table.kind;
   for (const FieldRow& field : table.fields) {
     const std::string key(field.name);
     if (field.access.find && !(field.access.get && !field.access.get(field, object).is_null())) {

@@ -64,12 +64,12 @@ struct FieldAccess {
 
 /// The equivalent option of commands; none without a value and a name.
 struct FieldOption {
-  std::string_view value = {};    ///< its name in the help: "KM"
-  std::string_view name = {};     ///< unless it is the member's with `-` for `_`
-  std::string_view initial = {};  ///< a default that differs from the struct's
-  std::string_view says = {};     ///< a flag that stands for this value
-  std::string_view beside = {};   ///< the option without which it has no effect
-  std::string_view more = {};     ///< appended to the help
+  std::string_view value = {};      ///< its name in the help: "KM"
+  std::string_view name = {};       ///< unless it is the member's with `-` for `_`
+  std::string_view initial = {};    ///< a default that differs from the struct's
+  std::string_view flagValue = {};  ///< a flag that stands for this value
+  std::string_view beside = {};     ///< the option without which it has no effect
+  std::string_view more = {};       ///< appended to the help
   /// A parser, for another syntax than a number, a name or numbers with commas.
   Result<FieldValue> (*parse)(std::string_view text) = nullptr;
   bool picture = false;  ///< changes the appearance of a medium, not its data
@@ -142,7 +142,7 @@ struct FieldTable {
   std::string_view name = {};      ///< "fog"
   std::string_view sentence = {};  ///< what it describes
   std::span<const FieldRow> fields = {};
-  std::string_view says = {};                 ///< the value of "kind"; empty: no such member
+  std::string_view kind = {};                 ///< the value of "kind"; empty: no such member
   std::string_view thing = {};                ///< "an FDS case"
   std::string_view things = {};               ///< "FDS cases"
   const void* usual = nullptr;                ///< the struct with its defaults

@@ -55,7 +55,7 @@ const FieldTable& puffFields() {
       clockField<&Puffs::clock>()};
   // clang-format on
   static const FieldTable kTable =
-      fieldTable<Puffs>({.name = "puffs", .sentence = "puffs", .fields = kFields, .says = "puffs"});
+      fieldTable<Puffs>({.name = "puffs", .sentence = "puffs", .fields = kFields, .kind = "puffs"});
   return kTable;
 }
 

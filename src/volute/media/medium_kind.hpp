@@ -100,7 +100,7 @@ class MediumKind {
   virtual const FieldTable& fields() const = 0;
 
   /// The value of "kind" in a scene's media.
-  std::string_view name() const { return fields().says.empty() ? fields().name : fields().says; }
+  std::string_view name() const { return fields().kind.empty() ? fields().name : fields().kind; }
 
   /// For people: "volumes of voxels", "a volume of voxels".
   std::string_view plural() const { return fields().things; }

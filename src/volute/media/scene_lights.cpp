@@ -71,7 +71,7 @@ const FieldTable& spotFields() {
        .most = 1}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SpotDescription>(
-      {.name = "spot", .sentence = "a lamp", .fields = kFields, .says = "spot"});
+      {.name = "spot", .sentence = "a lamp", .fields = kFields, .kind = "spot"});
   return kTable;
 }
 
@@ -87,7 +87,7 @@ const FieldTable& ambientFields() {
       fieldTable<AmbientDescription>({.name = "ambient",
                                       .sentence = "light from all directions, without shadows",
                                       .fields = kFields,
-                                      .says = "ambient"});
+                                      .kind = "ambient"});
   return kTable;
 }
 
@@ -140,7 +140,7 @@ const FieldTable& sunFields() {
       fieldTable<Sun>({.name = "sun",
                        .sentence = "a distant light with parallel rays",
                        .fields = kFields,
-                       .says = "sun"});
+                       .kind = "sun"});
   return kTable;
 }
 

@@ -142,7 +142,7 @@ const FieldTable& boxFields() {
       fieldTable<Box3>({.name = "clip_box",
                         .sentence = "media are shown inside of this box alone",
                         .fields = kFields,
-                        .says = "box"});
+                        .kind = "box"});
   return kTable;
 }
 
@@ -160,7 +160,7 @@ const FieldTable& planeFields() {
       fieldTable<ClipPlane>({.name = "clip_plane",
                              .sentence = "media are shown on one side of this plane alone",
                              .fields = kFields,
-                             .says = "plane"});
+                             .kind = "plane"});
   return kTable;
 }
 

@@ -116,8 +116,8 @@ void addSchema(const FieldTable& table, OrderedJson& defs) {
     return;
   OrderedJson properties = OrderedJson::object();
   OrderedJson required = OrderedJson::array();
-  if (!table.says.empty()) {
-    properties["kind"] = {{"const", table.says}};
+  if (!table.kind.empty()) {
+    properties["kind"] = {{"const", table.kind}};
     required.emplace_back("kind");
   }
   for (const FieldRow& field : table.fields) {
@@ -147,7 +147,7 @@ std::string membersTable(const FieldTable& table, std::set<const FieldTable*>& d
       "\n## {}\n\n{}{}.\n\n| member | value | default | meaning | option "
       "|\n|---|---|---|---|---|\n",
       table.name, table.sentence,
-      table.says.empty() ? "" : fmt::format("; `kind` is `{}`", table.says));
+      table.kind.empty() ? "" : fmt::format("; `kind` is `{}`", table.kind));
   for (const FieldRow& field : table.fields) {
     page += fmt::format("| `{}` | {} | {} | {} | {} |\n", field.name, cellText(valueText(field)),
                         usualText(table, field), cellText(field.help), optionText(field, outer));

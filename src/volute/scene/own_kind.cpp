@@ -306,7 +306,7 @@ class OwnKind final : public MediumKind {
     table_ = {.name = kind_.name,
               .sentence = kind_.sentence,
               .fields = rows_,
-              .says = kind_.name,
+              .kind = kind_.name,
               .thing = kind_.sentence,
               .things = keep(fmt::format("media of kind '{}'", kind_.name).c_str()),
               .usual = &usual_,

@@ -29,7 +29,7 @@ const FieldTable& tableOf(std::string_view list, const OrderedJson& entry) {
   if (list == "signs")
     return signFields();
   return **std::ranges::find(list == "clip" ? clipTables() : lightTables(),
-                             entry.at("kind").get<std::string>(), &FieldTable::says);
+                             entry.at("kind").get<std::string>(), &FieldTable::kind);
 }
 
 /// Of the entries of "lights", "signs" or "clip".

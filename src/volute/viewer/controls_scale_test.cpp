@@ -74,7 +74,7 @@ TEST_F(ScaleControls, NothingIsCutOffAtAnyScaleInAnyLanguage) {
   for (const ViewerCommand& command : viewerCommands()) app().language().of(command.name);
   for (const SceneList& list : sceneLists()) {
     for (const FieldTable* table : list.tables) {
-      app().language().of(table->says.empty() ? table->name : table->says, false);
+      app().language().of(table->kind.empty() ? table->name : table->kind, false);
       for (const FieldRow& field : table->fields) {
         const std::string label(field.slider.label);
         const std::size_t bar = std::min(label.find('|'), label.size());

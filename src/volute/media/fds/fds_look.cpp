@@ -147,7 +147,7 @@ const FieldTable& fdsFields() {
       fieldTable<Smoke>({.name = "fds",
                          .sentence = "smoke of an FDS case, which declares what its files contain",
                          .fields = kFields,
-                         .says = "smoke",
+                         .kind = "smoke",
                          .thing = "an FDS case, which declares what its files contain",
                          .things = "FDS cases"});
   return kTable;

@@ -264,7 +264,7 @@ const FieldTable& fogFields() {
   static const FieldTable kTable = fieldTable<Fog>({.name = "fog",
                                                     .sentence = "fog from a painted map",
                                                     .fields = kFields,
-                                                    .says = "fog",
+                                                    .kind = "fog",
                                                     .thing = "a map of fog",
                                                     .things = "maps of fog"});
   return kTable;

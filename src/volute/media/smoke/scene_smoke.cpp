@@ -195,7 +195,7 @@ const FieldTable& smokeFields() {
       massExtinction, modeRow<Smoke>(), lawCRow<Smoke>(), albedoRow<Smoke>(),
       {.name = "negatives", .type = kChoice, .access = member<&Smoke::negatives>(),
        .help = "clamp: treat negative values of the field as 0", .choices = kNegatives,
-       .option = {.name = "clamp", .says = "clamp"}},
+       .option = {.name = "clamp", .flagValue = "clamp"}},
       {.name = "walls", .type = kColor, .access = customMember<Smoke, wallsOf, setWalls>(),
        .help = "true or a colour: show the mesh's boundary from inside, lit", .least = 0,
        .most = 1, .flagToo = true},
@@ -204,7 +204,7 @@ const FieldTable& smokeFields() {
   static const FieldTable kTable = fieldTable<Smoke>({.name = "smoke",
                                                       .sentence = "smoke on a mesh",
                                                       .fields = kFields,
-                                                      .says = "smoke",
+                                                      .kind = "smoke",
                                                       .thing = "smoke on a mesh",
                                                       .things = "smoke on meshes"});
   return kTable;

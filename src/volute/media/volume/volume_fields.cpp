@@ -170,7 +170,7 @@ const FieldTable& volumeFields() {
   static const FieldTable kTable = fieldTable<SceneVolume>({.name = "volume",
                                                             .sentence = "a volume of voxels",
                                                             .fields = kFields,
-                                                            .says = "volume",
+                                                            .kind = "volume",
                                                             .thing = "a volume of voxels",
                                                             .things = "volumes of voxels"});
   return kTable;
