@@ -20,7 +20,7 @@ struct LengthCosts {
   std::int64_t blocks = 0, bits = 0;
 };
 
-/// What a way through blocks teaches about a stream: its contexts, and what quantised magnitudes
+/// What a pass over blocks teaches about a stream: its contexts, and what quantised magnitudes
 /// stand for. Whole numbers, so the order of blocks does not matter.
 struct Training {
   ContextCounts counts;

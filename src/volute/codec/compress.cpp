@@ -106,7 +106,7 @@ Status Compressor::checkCancelled() const {
   return {};
 }
 
-// What the last way through all blocks came to.
+// What the last pass over all blocks came to.
 void Compressor::noteErrors() {
   const double channels = info_.channels;
   const double squared = error_.squared() / doneShare_;
@@ -168,7 +168,7 @@ Status Compressor::completeUnits() {
       continue;
     EncodedUnits::Unit again = units_.begin(units_.units()[i].number);
     EncodedUnitRecord record;
-    VOLUTE_TRY(encodeUnit(Way::kEncode, again, record));
+    VOLUTE_TRY(encodeUnit(Pass::kEncode, again, record));
     units_.replace(i, std::move(again));
   }
   return {};
@@ -223,7 +223,7 @@ Status Compressor::searchStep(double first) {
     problem.closeEnough = effort_.nearness * problem.target;
   StepSearch search(problem, first);
   for (bool found = false; !found;) {
-    VOLUTE_TRY(encodeAll(search.step(), Way::kEncode));
+    VOLUTE_TRY(encodeAll(search.step(), Pass::kEncode));
     search.tell(outcomeOfTry());
     VOLUTE_ASSIGN(const bool failed, team_.broadcast(search.failed()));
     if (failed)
@@ -243,14 +243,14 @@ Status Compressor::searchSmallest() {
     if ((factor == 3.0 && best < 2 * target) || (factor == 1.05 && best > 2 * target) ||
         (factor == 0.75 && best > 1.2 * target))
       continue;
-    VOLUTE_TRY(encodeAll(factor * target, Way::kEncode));
+    VOLUTE_TRY(encodeAll(factor * target, Pass::kEncode));
     if (least == 0 || fileBytes_ < least) {
       least = fileBytes_;
       best = factor * target;
     }
   }
   if (parameters_.step != best / parameters_.unit())
-    VOLUTE_TRY(encodeAll(best, Way::kEncode));
+    VOLUTE_TRY(encodeAll(best, Pass::kEncode));
   if (!(error_.maximum <= target))
     return unreachable();
   return {};
@@ -264,13 +264,13 @@ double Compressor::betterStep() const {
 // Modes and step from some blocks: how all came out with them is near what was asked for.
 Result<double> Compressor::stepFromSome(double first) {
   constexpr double kFar = 1.15, kTellsPower = 0.1, kGreatestPower = 1.4;
-  VOLUTE_TRY(encodeAll(first, Way::kLearn));
+  VOLUTE_TRY(encodeAll(first, Pass::kLearn));
   const double learnt = std::max(outcomeOfTry(), 1e-30);
   double step = betterStep();
   VOLUTE_TRY(chooseLength());
   const int tries = blocks_ < kFewBlocks ? 3 : 2;
   for (int i = 0; i < tries; ++i) {
-    VOLUTE_TRY(encodeAll(step, Way::kTry));
+    VOLUTE_TRY(encodeAll(step, Pass::kTry));
     // At fine steps the error goes as they do, at coarse ones less.
     const double steps = std::log(step / first);
     const double errors = std::log(std::max(outcomeOfTry(), 1e-30) / learnt);
@@ -305,12 +305,12 @@ Result<CompressReport> Compressor::run() {
   goal_.setModel(model_);
   double step = goal_.firstStep();
   if (goal_.isSize() || goal_.isMaxError()) {
-    VOLUTE_TRY(encodeAll(step, Way::kLearn));
+    VOLUTE_TRY(encodeAll(step, Pass::kLearn));
     VOLUTE_TRY(chooseLength());
   } else {
     VOLUTE_ASSIGN(step, stepFromSome(step));
   }
-  VOLUTE_TRY(encodeAll(step, Way::kChoose));
+  VOLUTE_TRY(encodeAll(step, Pass::kChoose));
   if (goal_.isMaxError()) {
     VOLUTE_TRY(searchSmallest());
     return write();
@@ -320,7 +320,7 @@ Result<CompressReport> Compressor::run() {
   VOLUTE_ASSIGN(step, team_.broadcast(step));
   const double change = std::max(better / step, step / better);
   if (change > (effort_.again ? 1.02 : 1.2))
-    VOLUTE_TRY(encodeAll(better, Way::kChoose));
+    VOLUTE_TRY(encodeAll(better, Pass::kChoose));
   VOLUTE_ASSIGN(const bool near, team_.broadcast(nearEnough()));
   if (!near || effort_.again)
     VOLUTE_TRY(searchStep(betterStep()));

@@ -41,7 +41,7 @@ std::vector<BlockMode> modesToTry(const CompressOptions& options);
 /// One call of compress(). Goes through the blocks several times: to survey the values; to learn
 /// from some of them what quantised coefficients are like, and which step meets the target; to
 /// choose the mode of each block; and to encode them all, until the step does. All ranks of a team
-/// go through them together; after each way they share what they found, and rank 0's decisions are
+/// go through them together; after each pass they share what they found, and rank 0's decisions are
 /// those of all.
 class Compressor {
  public:
@@ -57,7 +57,7 @@ class Compressor {
         plan_(row_.grid(), layersAUnit),
         goal_(options.target, info_),
         modes_(static_cast<std::size_t>(plan_.count())),
-        someModes_(modes_.size()),
+        sampleModes_(modes_.size()),
         sampled_(row_.grid().rowCount() > kManyBlocks),
         effort_(planOf(options.effort, sampled_)),
         units_(plan_, team) {
@@ -87,12 +87,12 @@ class Compressor {
     ColorMoments moments;
   };
 
-  // One way through blocks: all of them, or for kLearn and kTry those that tell what all are like.
-  enum class Way { kLearn, kTry, kChoose, kEncode };
+  // One pass over the blocks: over all of them, or, for kLearn and kTry, over a sample.
+  enum class Pass { kLearn, kTry, kChoose, kEncode };
 
-  static bool isOfSome(Way way) { return way == Way::kLearn || way == Way::kTry; }
+  static bool overSample(Pass pass) { return pass == Pass::kLearn || pass == Pass::kTry; }
 
-  static bool choosesModes(Way way) { return way == Way::kTry || way == Way::kChoose; }
+  static bool choosesModes(Pass pass) { return pass == Pass::kTry || pass == Pass::kChoose; }
 
   Status survey();
   Status surveyUnit(std::int64_t number);
@@ -105,24 +105,24 @@ class Compressor {
                                       std::uint64_t oneOf) const;
   void cutBy(int frames);
   Status chooseLength();
-  Status encodeAll(double step, Way way);
+  Status encodeAll(double step, Pass pass);
   Status openStore();
-  Status doUnit(std::int64_t number, Way way);
-  Status encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record);
-  std::vector<std::optional<BlockMode>>& modesOf(Way way, std::int64_t unit, std::size_t blocks);
-  Status keep(Way way, const EncodedUnits::Unit& done, EncodedUnitRecord& record);
-  Result<std::optional<EncodedUnitRecord>> recall(Way way, EncodedUnits::Unit& done);
+  Status doUnit(std::int64_t number, Pass pass);
+  Status encodeUnit(Pass pass, EncodedUnits::Unit& done, EncodedUnitRecord& record);
+  std::vector<std::optional<BlockMode>>& modesOf(Pass pass, std::int64_t unit, std::size_t blocks);
+  Status keep(Pass pass, const EncodedUnits::Unit& done, EncodedUnitRecord& record);
+  Result<std::optional<EncodedUnitRecord>> recall(Pass pass, EncodedUnits::Unit& done);
   Status shareErrors();
   Status shareTraining();
-  Status shareDone(Way way);
-  Status shareModes(Way way);
+  Status shareDone(Pass pass);
+  Status shareModes(Pass pass);
   Status shareSegments();
   std::optional<BlockMode> chooseMode(const BlockContent& block, const BlockEncoder& encoder,
                                       const std::optional<BlockMode>& before) const;
   std::size_t findErrors(std::span<const float> values, std::span<const float> decoded,
                          std::span<const VoxelState> states, const BlockShape& shape,
                          CodingError& errors) const;
-  Result<EncodedBlock> encodeBlock(std::size_t block, std::optional<BlockMode>& mode, Way way,
+  Result<EncodedBlock> encodeBlock(std::size_t block, std::optional<BlockMode>& mode, Pass pass,
                                    Training& training);
   std::vector<std::int64_t> meansOf(std::span<const float> values) const;
   Status checkCancelled() const;
@@ -165,9 +165,9 @@ class Compressor {
   FileHead head_;
   std::vector<std::byte> headBytes_;
   WaveletParameters parameters_;
-  Training training_;                                             // of the last way through
-  std::vector<std::vector<std::optional<BlockMode>>> modes_;      // of each unit, of its blocks
-  std::vector<std::vector<std::optional<BlockMode>>> someModes_;  // the same, of some blocks
+  Training training_;                                               // of the last pass
+  std::vector<std::vector<std::optional<BlockMode>>> modes_;        // of each unit, of its blocks
+  std::vector<std::vector<std::optional<BlockMode>>> sampleModes_;  // the same, of some blocks
   BlockMode usualMode_;
   std::vector<SupportFacts> facts_;    // of each frame
   ValueHistogram histogram_;           // of the support's values
@@ -180,7 +180,7 @@ class Compressor {
   std::uint64_t blocks_ = 0;                                           // that hold something
   std::array<std::uint64_t, LengthCosts::kFrames.size()> blocksBy_{};  // the same, by their frames
   std::uint64_t oneOf_ = 1;     // of so many one tells what all are like
-  double doneShare_ = 1;        // of the support, that the last way went through
+  double doneShare_ = 1;        // share of the support that the last pass covered
   double power_ = kErrorPower;  // how the step goes with the error
   bool chosenBefore_ = false;   // modes_ are those of another step, else a guess
   double chosenStep_ = 0;       // at which modes_ were chosen
@@ -188,13 +188,13 @@ class Compressor {
   QuantisationModel model_;
   std::optional<UnitStore> store_;  // of finished units, where that is asked for
   std::uint64_t content_ = 0;       // a digest of all values, for it
-  int way_ = -1;                    // how many ways through the units were begun before
-  EncodedUnits units_;              // of the last way through
+  int pass_ = -1;                   // number of passes over the units before this one
+  EncodedUnits units_;              // of the last pass
   std::vector<LayerError> layers_;  // the same, of this rank
   std::uint64_t fileBytes_ = 0;     // as far as it was asked for
   CodingError error_;
   std::vector<double> frameSquares_;  // the squares of it, frame by frame
-  double relativeRms_ = 0;            // of the last way through all blocks
+  double relativeRms_ = 0;            // of the last pass over all blocks
   double rounding_ = 0;               // of the values, roundingOf() the source
   int tries_ = 0;
 };

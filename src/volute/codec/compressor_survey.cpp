@@ -190,10 +190,10 @@ void Compressor::cutBy(int frames) {
   row_.cutBy(own);
   plan_ = UnitPlan(row_.grid(), layersAUnit_);
   modes_.assign(static_cast<std::size_t>(plan_.count()), {});
-  someModes_.assign(modes_.size(), {});
+  sampleModes_.assign(modes_.size(), {});
 }
 
-// As few frames as cost little, after a first way through some blocks.
+// As few frames as cost little, after a first pass over some blocks.
 Status Compressor::chooseLength() {
   if (options_.access != Access::kAny)
     return {};

@@ -135,7 +135,7 @@ std::size_t Compressor::findErrors(std::span<const float> values, std::span<cons
 // Encodes a block and decodes it as the reader will.
 // @param chosen  its mode, which is replaced where modes are chosen
 Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<BlockMode>& chosen,
-                                             Way way, Training& training) {
+                                             Pass pass, Training& training) {
   const BlockGrid& grid = row_.grid();
   const BlockShape shape = shapeOf(grid, block);
   std::vector<float> values(shape.values());
@@ -146,19 +146,19 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   const BlockContent content = encoder.contentOf(
       values, shape,
       parameters_.sparse ? std::span<const VoxelState>(states) : std::span<const VoxelState>());
-  if (choosesModes(way))
+  if (choosesModes(pass))
     chosen = chooseMode(content, encoder, chosenBefore_ ? chosen : std::nullopt);
   std::optional<BlockMode> mode = chosen;
-  if (way == Way::kLearn && mode && !options_.mode && parameters_.sparse)
+  if (pass == Pass::kLearn && mode && !options_.mode && parameters_.sparse)
     mode->shaped = mode->shaped || shareOf(states) < kSparseBlock;
   // A block that was not worth its bits at the step its mode was chosen for may be at a finer one.
   // What is chosen here depends on the step alone, so that a try can be had again.
-  if (way == Way::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
+  if (pass == Pass::kEncode && !mode && parameters_.step < kFinerStep * chosenStep_)
     mode = chooseMode(content, encoder, std::nullopt);
   EncodedBlock result;
   result.tiers = encoder.encode(content, mode, training);
   // Every second block is enough to tell lengths apart.
-  if (way == Way::kLearn && options_.access == Access::kAny && mode && block % 2 == 0 &&
+  if (pass == Pass::kLearn && options_.access == Access::kAny && mode && block % 2 == 0 &&
       grid.frames() == BlockGrid::kSide && info_.frames > LengthCosts::kFrames.back()) {
     encoder.addLengthCosts(content, training.lengths);
     for (const auto& tier : result.tiers)
@@ -198,13 +198,13 @@ std::vector<std::int64_t> Compressor::meansOf(std::span<const float> values) con
   return means;
 }
 
-Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitRecord& record) {
+Status Compressor::encodeUnit(Pass pass, EncodedUnits::Unit& done, EncodedUnitRecord& record) {
   const UnitPlan::Unit unit = plan_.unit(done.number);
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
   const std::vector<std::uint64_t> blocks =
-      isOfSome(way) ? sampleOf(row_.occupied(), oneOf_)
-                    : std::vector(row_.occupied().begin(), row_.occupied().end());
-  auto& modes = modesOf(way, done.number, blocks.size());
+      overSample(pass) ? sampleOf(row_.occupied(), oneOf_)
+                       : std::vector(row_.occupied().begin(), row_.occupied().end());
+  auto& modes = modesOf(pass, done.number, blocks.size());
   std::vector<EncodedBlock> batch;
   std::mutex mutex;
   for (std::size_t begin = 0; begin < blocks.size(); begin += kBatchOfBlocks) {
@@ -213,7 +213,7 @@ Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitReco
     batch.resize(std::min(kBatchOfBlocks, blocks.size() - begin));
     VOLUTE_TRY(parallelTry(batch.size(), [&](std::size_t i) -> Status {
       Training ofBlock;
-      VOLUTE_ASSIGN(batch[i], encodeBlock(blocks[begin + i], modes[begin + i], way, ofBlock));
+      VOLUTE_ASSIGN(batch[i], encodeBlock(blocks[begin + i], modes[begin + i], pass, ofBlock));
       const std::lock_guard lock(mutex);
       record.training.add(ofBlock);
       return {};
@@ -230,18 +230,18 @@ Status Compressor::encodeUnit(Way way, EncodedUnits::Unit& done, EncodedUnitReco
 }
 
 // A unit, or what an earlier run kept of it.
-Status Compressor::doUnit(std::int64_t number, Way way) {
+Status Compressor::doUnit(std::int64_t number, Pass pass) {
   VOLUTE_TRY(checkCancelled());
   EncodedUnits::Unit done = units_.begin(number);
   std::optional<EncodedUnitRecord> record;
   if (store_) {
-    VOLUTE_ASSIGN(record, recall(way, done));
+    VOLUTE_ASSIGN(record, recall(pass, done));
   }
   if (!record) {
     record.emplace();
-    VOLUTE_TRY(encodeUnit(way, done, *record));
+    VOLUTE_TRY(encodeUnit(pass, done, *record));
     if (store_)
-      VOLUTE_TRY(keep(way, done, *record));
+      VOLUTE_TRY(keep(pass, done, *record));
   }
   layers_.insert(layers_.end(), record->layers.begin(), record->layers.end());
   training_.add(record->training);
@@ -250,33 +250,33 @@ Status Compressor::doUnit(std::int64_t number, Way way) {
 }
 
 // Those of a unit that has so many blocks with something in them.
-std::vector<std::optional<BlockMode>>& Compressor::modesOf(Way way, std::int64_t number,
+std::vector<std::optional<BlockMode>>& Compressor::modesOf(Pass pass, std::int64_t number,
                                                            std::size_t blocks) {
-  auto& modes = (isOfSome(way) ? someModes_ : modes_)[static_cast<std::size_t>(number)];
+  auto& modes = (overSample(pass) ? sampleModes_ : modes_)[static_cast<std::size_t>(number)];
   if (modes.size() < blocks)
     modes.resize(blocks, usualMode_);
   return modes;
 }
 
-Status Compressor::keep(Way way, const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
-  const auto& modes = modesOf(way, done.number, done.blocks.size());
+Status Compressor::keep(Pass pass, const EncodedUnits::Unit& done, EncodedUnitRecord& record) {
+  const auto& modes = modesOf(pass, done.number, done.blocks.size());
   record.modes.assign(modes.begin(),
                       modes.begin() + static_cast<std::ptrdiff_t>(done.blocks.size()));
   record.blocks = done.blocks;
   record.segments = done.segments;
   record.means = done.means;
   VOLUTE_ASSIGN(const auto bytes, units_.bytesOf(done));
-  return store_->store(way_, done.number, record.toBytes(), bytes);
+  return store_->store(pass_, done.number, record.toBytes(), bytes);
 }
 
-// Nothing when there is nothing of use. Bytes may be missing: they are dropped when the next way
+// Nothing when there is nothing of use. Bytes may be missing: they are dropped when the next pass
 // begins.
-Result<std::optional<EncodedUnitRecord>> Compressor::recall(Way way, EncodedUnits::Unit& done) {
+Result<std::optional<EncodedUnitRecord>> Compressor::recall(Pass pass, EncodedUnits::Unit& done) {
   std::optional<EncodedUnitRecord> none;
-  const auto kept = store_->record(way_, done.number);
+  const auto kept = store_->record(pass_, done.number);
   if (!kept)
     return none;
-  const auto bytes = store_->bytes(way_, done.number).value_or(std::vector<std::byte>());
+  const auto bytes = store_->bytes(pass_, done.number).value_or(std::vector<std::byte>());
   const UnitPlan::Unit unit = plan_.unit(done.number);
   auto record = EncodedUnitRecord::fromBytes(*kept);
   const std::uint64_t first = plan_.firstBlock(unit);
@@ -297,7 +297,7 @@ Result<std::optional<EncodedUnitRecord>> Compressor::recall(Way way, EncodedUnit
     done.sizes = sizes;
     VOLUTE_TRY(units_.appendBytes(done, bytes));
   }
-  std::ranges::copy(record->modes, modesOf(way, done.number, record->modes.size()).begin());
+  std::ranges::copy(record->modes, modesOf(pass, done.number, record->modes.size()).begin());
   return record;
 }
 
@@ -361,11 +361,11 @@ Status Compressor::shareTraining() {
   return {};
 }
 
-// What of the support the last way went through: its blocks' voxels, for blocks hold from few to
-// all; tiles are of no block, and where there are some blocks are counted instead.
-Status Compressor::shareDone(Way way) {
+// The share of the support that the last pass covered: its blocks' voxels, for blocks hold from few
+// to all; tiles are of no block, and where there are some blocks are counted instead.
+Status Compressor::shareDone(Pass pass) {
   doneShare_ = 1;
-  if (!isOfSome(way) || blocks_ == 0)
+  if (!overSample(pass) || blocks_ == 0)
     return {};
   std::uint64_t done = 0;
   for (const EncodedUnits::Unit& unit : units_.units()) done += unit.blocks.size();
@@ -378,14 +378,14 @@ Status Compressor::shareDone(Way way) {
   return {};
 }
 
-Status Compressor::shareModes(Way way) {
+Status Compressor::shareModes(Pass pass) {
   if (team_.size() == 1)
     return {};
   ByteWriter own;
   for (const EncodedUnits::Unit& done : units_.units()) {
     own.u64(static_cast<std::uint64_t>(done.number));
     own.u64(done.blocks.size());
-    const auto& modes = modesOf(way, done.number, done.blocks.size());
+    const auto& modes = modesOf(pass, done.number, done.blocks.size());
     for (std::size_t i = 0; i < done.blocks.size(); ++i) own.u8(byteOfMode(modes[i]));
   }
   VOLUTE_ASSIGN(const auto ranks, team_.gatherAll(own.view()));
@@ -393,7 +393,7 @@ Status Compressor::shareModes(Way way) {
     for (ByteReader in(bytes); in.remaining() > 0;) {
       const auto unit = static_cast<std::int64_t>(in.u64());
       const auto blocks = static_cast<std::size_t>(in.u64());
-      auto& modes = modesOf(way, unit, blocks);
+      auto& modes = modesOf(pass, unit, blocks);
       for (std::size_t i = 0; i < blocks; ++i) modeOfByte(in.u8(), modes[i]);
     }
   }
@@ -411,13 +411,13 @@ Status Compressor::shareSegments() {
   return {};
 }
 
-Status Compressor::encodeAll(double proposed, Way way) {
+Status Compressor::encodeAll(double proposed, Pass pass) {
   VOLUTE_ASSIGN(const double step, team_.broadcast(proposed));
   parameters_.step = step / parameters_.unit();
   // From the first try on the parameters stay, so that what a step gives can be had again.
-  if (choosesModes(way) || (way == Way::kEncode && tries_ == 0))
+  if (choosesModes(pass) || (pass == Pass::kEncode && tries_ == 0))
     training_.apply(parameters_);
-  if (choosesModes(way)) {
+  if (choosesModes(pass)) {
     const double ratio = chosenStep_ > 0 ? parameters_.step / chosenStep_ : 0;
     stepsAlike_ = ratio < kSameModes && ratio > 1 / kSameModes;
     chosenStep_ = parameters_.step;
@@ -426,28 +426,28 @@ Status Compressor::encodeAll(double proposed, Way way) {
   head_.parameters = writeParameters(parameters_, info_.channels);
   VOLUTE_ASSIGN(head_.decoder, openWaveletDecoder(kSparseCodec, head_.parameters, stream()));
   if (store_) {
-    for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(way_, done.number);
+    for (const EncodedUnits::Unit& done : units_.units()) store_->dropBytes(pass_, done.number);
   }
-  ++way_;
+  ++pass_;
   layers_.clear();
   VOLUTE_TRY(units_.clear());
-  tries_ += way == Way::kEncode ? 1 : 0;
-  const std::string stage = isOfSome(way) ? "learning"
-                            : way == Way::kChoose
+  tries_ += pass == Pass::kEncode ? 1 : 0;
+  const std::string stage = overSample(pass) ? "learning"
+                            : pass == Pass::kChoose
                                 ? chosenBefore_ ? "choosing modes again" : "choosing modes"
                             : tries_ == 1 ? "compressing"
                                           : fmt::format("compressing, try {}", tries_);
   VOLUTE_TRY(team_.forUnits(stage, plan_.count(), progress_,
-                            [&](std::int64_t number) { return doUnit(number, way); }));
-  chosenBefore_ = chosenBefore_ || way == Way::kChoose;
+                            [&](std::int64_t number) { return doUnit(number, pass); }));
+  chosenBefore_ = chosenBefore_ || pass == Pass::kChoose;
   VOLUTE_TRY(shareErrors());
-  VOLUTE_TRY(shareDone(way));
+  VOLUTE_TRY(shareDone(pass));
   noteErrors();
-  if (choosesModes(way))
-    VOLUTE_TRY(shareModes(way));
-  if (way != Way::kEncode)
+  if (choosesModes(pass))
+    VOLUTE_TRY(shareModes(pass));
+  if (pass != Pass::kEncode)
     VOLUTE_TRY(shareTraining());
-  if (!isOfSome(way))
+  if (!overSample(pass))
     VOLUTE_TRY(shareSegments());
   return {};
 }

@@ -73,7 +73,7 @@ std::uint8_t byteOfMode(const std::optional<BlockMode>& mode);
 /// False when there is no such mode.
 bool modeOfByte(unsigned byte, std::optional<BlockMode>& mode);
 
-/// The encoded blocks of one way through a volume: of this rank the bytes, in files without names;
+/// The encoded blocks of one pass over a volume: of this rank the bytes, in files without names;
 /// together with the other ranks, the segments of the file.
 class EncodedUnits {
  public:

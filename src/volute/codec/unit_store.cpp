@@ -47,28 +47,28 @@ Result<UnitStore> UnitStore::open(const fs::path& folder, const std::string& key
   return UnitStore(std::move(shared), key);
 }
 
-fs::path UnitStore::fileOf(int way, std::int64_t unit, const char* extension) const {
-  return folder_.path() / fmt::format("{}{}_{:02}_{:06}.{}", kPrefix, key_, way, unit, extension);
+fs::path UnitStore::fileOf(int pass, std::int64_t unit, const char* extension) const {
+  return folder_.path() / fmt::format("{}{}_{:02}_{:06}.{}", kPrefix, key_, pass, unit, extension);
 }
 
-std::optional<std::vector<std::byte>> UnitStore::record(int way, std::int64_t unit) const {
-  return readChecked(fileOf(way, unit, "record"));
+std::optional<std::vector<std::byte>> UnitStore::record(int pass, std::int64_t unit) const {
+  return readChecked(fileOf(pass, unit, "record"));
 }
 
-std::optional<std::vector<std::byte>> UnitStore::bytes(int way, std::int64_t unit) const {
-  return readChecked(fileOf(way, unit, "bytes"));
+std::optional<std::vector<std::byte>> UnitStore::bytes(int pass, std::int64_t unit) const {
+  return readChecked(fileOf(pass, unit, "bytes"));
 }
 
-Status UnitStore::store(int way, std::int64_t unit, std::span<const std::byte> record,
+Status UnitStore::store(int pass, std::int64_t unit, std::span<const std::byte> record,
                         std::span<const std::byte> bytes) const {
   if (!bytes.empty())
-    VOLUTE_TRY(writeChecked(fileOf(way, unit, "bytes"), bytes));
-  return writeChecked(fileOf(way, unit, "record"), record);
+    VOLUTE_TRY(writeChecked(fileOf(pass, unit, "bytes"), bytes));
+  return writeChecked(fileOf(pass, unit, "record"), record);
 }
 
-void UnitStore::dropBytes(int way, std::int64_t unit) const {
+void UnitStore::dropBytes(int pass, std::int64_t unit) const {
   std::error_code error;
-  fs::remove(fileOf(way, unit, "bytes"), error);
+  fs::remove(fileOf(pass, unit, "bytes"), error);
 }
 
 void UnitStore::remove() const {
