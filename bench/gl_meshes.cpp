@@ -63,13 +63,13 @@ struct AnimatedSmoke {
   }
 };
 
-struct Way {
+struct DrawMethod {
   const char* name;
   GlSmokeMethod method;
 };
 
-constexpr Way kWays[] = {{"marched, lit", GlSmokeMethod::kMarch},
-                         {"projected tetrahedra, lit", GlSmokeMethod::kProject}};
+constexpr DrawMethod kDrawMethods[] = {{"marched, lit", GlSmokeMethod::kMarch},
+                                       {"projected tetrahedra, lit", GlSmokeMethod::kProject}};
 
 struct Motion {
   bool smoke = false, camera = false;
@@ -77,13 +77,13 @@ struct Motion {
 
 using View = std::function<Camera(int frame, bool moving, int width, int height)>;
 
-/// The smoke at each time, by one way.
+/// The smoke at each time, drawn by one method.
 using Scenes = std::shared_ptr<const std::vector<GlScene>>;
 
-Scenes scenesOf(const AnimatedSmoke& smoke, const Way& way) {
+Scenes scenesOf(const AnimatedSmoke& smoke, const DrawMethod& drawn) {
   std::vector<GlScene> scenes;
   for (const auto& extinction : smoke.extinctions) {
-    scenes.push_back({{glPart(GlSmoke{smoke.locator, extinction, smoke.source, way.method})}});
+    scenes.push_back({{glPart(GlSmoke{smoke.locator, extinction, smoke.source, drawn.method})}});
   }
   return std::make_shared<const std::vector<GlScene>>(std::move(scenes));
 }
@@ -141,10 +141,10 @@ void addHall(const GlExtent& extent, std::vector<GlCase>& cases) {
     return Camera::pinhole({from, middle + 0.5 * frame * Vec3(0, 1, 0)}, 60, width, height);
   };
   const Sign sign = exitSign(eye, middle);
-  for (const Way& way : kWays) {
-    const Scenes scenes = scenesOf(*smoke, way);
+  for (const DrawMethod& drawn : kDrawMethods) {
+    const Scenes scenes = scenesOf(*smoke, drawn);
     const std::string name =
-        fmt::format("paper C, table 3: hall, {} tets, {}", mesh.tets().size(), way.name);
+        fmt::format("paper C, table 3: hall, {} tets, {}", mesh.tets().size(), drawn.name);
     for (const Motion& motion : kMotions) {
       cases.push_back(smokeCase(name + ", " + words(motion), smoke, scenes, motion, view));
     }
@@ -167,7 +167,7 @@ Status addMall(const BenchInput& input, const GlExtent& extent, std::vector<GlCa
   const std::string name = mall.name;
   const auto smoke = std::make_shared<AnimatedSmoke>(std::move(mall));
   std::vector<Scenes> scenes;
-  for (const Way& way : kWays) scenes.push_back(scenesOf(*smoke, way));
+  for (const DrawMethod& drawn : kDrawMethods) scenes.push_back(scenesOf(*smoke, drawn));
   for (const SmokeEye& eye : smokeEyes(*smoke->locator)) {
     const Vec3 towards = eye.target - eye.eye;
     const Vec3 across = towards.cross(Vec3::UnitZ()).normalized();
@@ -176,16 +176,16 @@ Status addMall(const BenchInput& input, const GlExtent& extent, std::vector<GlCa
       const Vec3 from = moving ? Vec3(eye.eye + step) : eye.eye;
       return Camera::pinhole({from, Vec3(eye.target + 2 * step)}, eye.fov, width, height);
     };
-    for (std::size_t i = 0; i < std::size(kWays); ++i) {
-      const Way& way = kWays[i];
-      if (input.quick && way.method == GlSmokeMethod::kProject)
+    for (std::size_t i = 0; i < std::size(kDrawMethods); ++i) {
+      const DrawMethod& drawn = kDrawMethods[i];
+      if (input.quick && drawn.method == GlSmokeMethod::kProject)
         continue;
       for (const Motion& motion : kMotions) {
         if (!extent.hardware && !(motion.smoke && motion.camera))
           continue;
         GlCase one = smokeCase(
             fmt::format("paper C, table 3: {}, {} tets, {}, {}, {}", name,
-                        smoke->locator->mesh().tets().size(), eye.name, way.name, words(motion)),
+                        smoke->locator->mesh().tets().size(), eye.name, drawn.name, words(motion)),
             smoke, scenes[i], motion, view);
         one.width = 1920, one.height = 1080;
         cases.push_back(std::move(one));

@@ -108,14 +108,14 @@ Image enlarged(const Image& small, int width, int height) {
 
 Camera FilmJob::cameraAt(const FilmFrame& frame) const {
   Camera now = camera;
-  if (way && !way->keys.empty()) {
-    CameraDescription there = *way;
-    there.view = way->viewAt(frame.time);
+  if (cameraPath && !cameraPath->keys.empty()) {
+    CameraDescription there = *cameraPath;
+    there.view = cameraPath->viewAt(frame.time);
     now = makeCamera(there, {camera.width(), camera.height()});
   }
   if (orbit == 0)
     return now;
-  const Vec3 up = way ? way->view.up : Vec3(Vec3::UnitZ());
+  const Vec3 up = cameraPath ? cameraPath->view.up : Vec3(Vec3::UnitZ());
   return now.turned(orbitCentre, up, frame.turn * orbit);
 }
 

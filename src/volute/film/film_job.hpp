@@ -53,8 +53,8 @@ struct FilmJob {
   int samples = 1;        ///< rays in a pixel where there are edges
   double shutter = 0;     ///< [s] of the scene from a frame's time on, over which light is averaged
   PictureStyle style{};   ///< by which edges are found
-  std::optional<CameraDescription> way{};  ///< of a camera that moves
-  double orbit = 0;                        ///< [radians], over all frames
+  std::optional<CameraDescription> cameraPath{};  ///< of a camera that moves
+  double orbit = 0;                               ///< [radians], over all frames
   Vec3 orbitCentre = Vec3::Zero();
   std::vector<std::string>
       layers{};  ///< of an .exr with several: beauty, alpha, z, transmittance, optical-depth

@@ -37,15 +37,16 @@ PictureStyle styleOf(const RenderRequest& request, const FilmJob& job) {
   return style;
 }
 
-/// Adds the whole way of a camera that moves, whichever frames of it are asked for: parts of one
+/// Adds the whole path of a camera that moves, whichever frames of it are requested: parts of one
 /// film that several machines draw are drawn alike.
-void addViewsOfTheWay(const FilmJob& job, std::vector<Camera>& views) {
+void addViewsAlongPath(const FilmJob& job, std::vector<Camera>& views) {
   constexpr int kBetween = 8, kTurns = 16;
   const auto add = [&](double time) {
     for (int turn = 0; turn < (job.orbit == 0 ? 1 : kTurns); ++turn)
       views.push_back(job.cameraAt({0, time, static_cast<double>(turn) / kTurns}));
   };
-  const std::vector<CameraKey> keys = job.way ? job.way->keys : std::vector<CameraKey>();
+  const std::vector<CameraKey> keys =
+      job.cameraPath ? job.cameraPath->keys : std::vector<CameraKey>();
   for (std::size_t i = 1; i < keys.size(); ++i) {
     for (int k = 0; k <= kBetween; ++k)
       add(std::lerp(keys[i - 1].time, keys[i].time, static_cast<double>(k) / kBetween));
@@ -124,14 +125,14 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
                          std::tan(*fov * std::numbers::pi / 360),
                      *fov * 180 / std::numbers::pi)});
   }
-  job.way = std::move(seen.description);
+  job.cameraPath = std::move(seen.description);
   job.measured = request.measured || request.aov != Aov::kNone;
   job.samples = job.measured || job.contour ? 1 : request.samples;
   if (!job.measured) {
     std::vector<Camera> views;
     for (const FilmFrame& frame : job.frames) views.push_back(job.cameraAt(frame));
     if (!request.frames.time)
-      addViewsOfTheWay(job, views);
+      addViewsAlongPath(job, views);
     job.scene.setViews(std::move(views));
   }
   if (!(request.shutter > 0))
@@ -147,7 +148,7 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   }
   job.shutter = request.shutter * frame;
   if (std::ranges::none_of(media, [](const auto& medium) { return medium->info().interpolates; }) &&
-      !(job.way && !job.way->keys.empty())) {
+      !(job.cameraPath && !job.cameraPath->keys.empty())) {
     progress.remark(
         {RemarkCode::kDoubtful,
          "nothing moves while the shutter is open, as no medium is interpolated between "

@@ -52,51 +52,51 @@ struct Tolerance {
   float scale, plus;
 };
 
-/// A ray's way through a tet. Lanes that are not inside have no length.
-struct Way {
+/// The segment of each lane's ray that lies in a tet; empty where the ray misses it.
+struct RaySegment {
   Mask inside;
   VF low, high, middle, length;  ///< middle from z0 on; length in depth
 };
 
 template <bool kOrthographic>
-HWY_INLINE Way WayOf(VF low, VF high, VF z0) {
+HWY_INLINE RaySegment RaySegmentIn(VF low, VF high, VF z0) {
   const VF width = hn::Sub(high, low), twice = hn::Add(high, low);
-  Way way{hn::Gt(width, hn::Zero(df)), low, high, {}, {}};
+  RaySegment segment{hn::Gt(width, hn::Zero(df)), low, high, {}, {}};
   VF length;
   if constexpr (kOrthographic) {
-    way.middle = hn::MulSub(Constant(-0.5F), twice, z0);
+    segment.middle = hn::MulSub(Constant(-0.5F), twice, z0);
     length = width;
   } else {
     const VF per = Reciprocal(hn::Mul(high, low));
-    way.middle = hn::MulSub(Constant(0.5F), hn::Mul(twice, per), z0);
+    segment.middle = hn::MulSub(Constant(0.5F), hn::Mul(twice, per), z0);
     length = hn::Mul(width, per);
   }
-  way.middle = hn::IfThenElseZero(way.inside, way.middle);
-  way.length = hn::IfThenElseZero(way.inside, length);
-  return way;
+  segment.middle = hn::IfThenElseZero(segment.inside, segment.middle);
+  segment.length = hn::IfThenElseZero(segment.inside, length);
+  return segment;
 }
 
 /// Adds what a vector of pixels sees of a tet.
-HWY_INLINE void AddLight(const Way& way, const RampRow& tau, const RampRow (&source)[3], VF dx,
-                         Tolerance tolerance, int at, LitTile& tile) {
+HWY_INLINE void AddLight(const RaySegment& segment, const RampRow& tau, const RampRow (&source)[3],
+                         VF dx, Tolerance tolerance, int at, LitTile& tile) {
   const VF last = hn::Load(df, tile.at(LitTile::kLast, at));
   const Mask wrong = hn::And(
-      way.inside,
-      hn::Gt(way.high, hn::MulAdd(last, Constant(tolerance.scale), Constant(tolerance.plus))));
+      segment.inside,
+      hn::Gt(segment.high, hn::MulAdd(last, Constant(tolerance.scale), Constant(tolerance.plus))));
   if (!hn::AllFalse(df, wrong))
     hn::Store(hn::IfThenElse(wrong, Constant(1), hn::Load(df, tile.at(LitTile::kWrong, at))), df,
               tile.at(LitTile::kWrong, at));
-  hn::Store(hn::IfThenElse(way.inside, way.low, last), df, tile.at(LitTile::kLast, at));
-  const VF length = hn::Mul(way.length, hn::Load(df, tile.at(LitTile::kScale, at)));
+  hn::Store(hn::IfThenElse(segment.inside, segment.low, last), df, tile.at(LitTile::kLast, at));
+  const VF length = hn::Mul(segment.length, hn::Load(df, tile.at(LitTile::kScale, at)));
   const VF slope = tau.slope.at(dx);
-  const VF mean = hn::MulAdd(way.middle, slope, tau.value.at(dx));
+  const VF mean = hn::MulAdd(segment.middle, slope, tau.value.at(dx));
   const VF whole = hn::Max(hn::Mul(mean, length), hn::Zero(df));
-  const VF rise = hn::Mul(hn::Mul(way.length, Constant(0.5F)), hn::Mul(slope, length));
+  const VF rise = hn::Mul(hn::Mul(segment.length, Constant(0.5F)), hn::Mul(slope, length));
   VF lean;
   const VF lost = LostAndLean(whole, rise, lean);
   const VF passed = hn::Load(df, tile.at(LitTile::kPassed, at));
   const VF both = hn::Mul(lost, passed);
-  const VF along = hn::MulAdd(way.middle, both, hn::Mul(hn::Mul(way.length, passed), lean));
+  const VF along = hn::MulAdd(segment.middle, both, hn::Mul(hn::Mul(segment.length, passed), lean));
   for (int c = 0; c < 3; ++c) {
     float* light = tile.at(LitTile::kLight + c, at);
     const VF sent = hn::MulAdd(along, source[c].slope.at(dx),
@@ -127,9 +127,9 @@ HWY_NOINLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const Bi
         bounds.at(dx, low, high);
         if (tile.bounded)
           low = hn::Max(low, hn::Load(df, tile.at(LitTile::kEnd, at)));
-        const Way way = WayOf<kOrthographic>(low, high, z0);
-        if (!hn::AllFalse(df, way.inside))
-          AddLight(way, tau, source, dx, tolerance, at, tile);
+        const RaySegment segment = RaySegmentIn<kOrthographic>(low, high, z0);
+        if (!hn::AllFalse(df, segment.inside))
+          AddLight(segment, tau, source, dx, tolerance, at, tile);
       }
     }
   }

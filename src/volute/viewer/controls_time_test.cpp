@@ -228,7 +228,7 @@ TEST_F(TimeControls, ACameraPathIsSetByKeysPlayedFilmedAndSaved) {
       script_->press(Key::kK);
     load();
   }
-  const auto& keys = app().view().way().keys();
+  const auto& keys = app().view().cameraPath().keys();
   ASSERT_EQ(keys.size(), 3);
   EXPECT_EQ(keys[1].time, 2) << "two seconds apart";
   EXPECT_EQ(app().playback().timeline().last(), 4) << "it plays now";
@@ -261,14 +261,14 @@ TEST_F(TimeControls, ACameraPathIsSetByKeysPlayedFilmedAndSaved) {
   load();
   app().document().undo();
   load();
-  EXPECT_EQ(app().view().way().keys().size(), 2);
+  EXPECT_EQ(app().view().cameraPath().keys().size(), 2);
   app().settings().follows = true;
   app().playback().timeline().seek(2);
   script_->press(Key::kK, true);
   load();
-  EXPECT_EQ(app().view().way().keys().size(), 1);
+  EXPECT_EQ(app().view().cameraPath().keys().size(), 1);
   open("smoke.vtu.json");
-  EXPECT_EQ(app().view().way().keys().size(), 3);
+  EXPECT_EQ(app().view().cameraPath().keys().size(), 3);
   app().playback().timeline().seek(0);
   script_->frames(2);
   EXPECT_LT((app().view().camera().eye() - eyes[0]).norm(), 1e-9) << "where the path begins";

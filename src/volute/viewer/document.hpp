@@ -78,7 +78,7 @@ struct DocumentInfo {
   bool measured = false;             ///< what is seen is as bright as it says: no exposure
   bool burns = false;                ///< what burns may be brighter than white
   std::optional<StartView> startView{};
-  std::vector<CameraKey> cameraKeys{};  ///< the camera's way, by ascending times
+  std::vector<CameraKey> cameraKeys{};  ///< the camera's path, by ascending times
   std::optional<ViewLook> look{};
   Rgb background = Rgb::Zero();
   std::vector<std::string> remarks{};  ///< what is not shown

@@ -10,7 +10,7 @@
 #include "volute/base/thread_priority.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/image_file.hpp"
-#include "volute/viewer/camera_way.hpp"
+#include "volute/viewer/camera_path.hpp"
 #include "volute/viewer/shown_picture.hpp"
 
 namespace volute {

@@ -24,7 +24,7 @@ struct FilmOrder {
   double speed = 1;               ///< document seconds a film second
   double length = 0;              ///< [s] of the film, in which its times come again; 0: once
   bool turns = false;             ///< the camera goes once around what it looks at
-  std::vector<CameraKey> keys{};  ///< its way; empty: it stays
+  std::vector<CameraKey> keys{};  ///< its path; empty: it stays
   ViewCamera camera;
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;

@@ -50,7 +50,7 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
   choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
   ImGui::SameLine();
-  if (app.view().way().leads()) {
+  if (app.view().cameraPath().leads()) {
     ImGui::Checkbox(tr("path"), &app.settings().follows);
     app.window().mark("film path");
     hint("the camera goes along its keys, in films and while it plays: K sets one");
@@ -151,7 +151,7 @@ void drawTrack(ViewerApp& app) {
     list->AddLine({begin, from.y + 1}, {end, from.y + 1}, kLoop, 2);
     for (const float x : {begin, end}) list->AddLine({x, from.y}, {x, to.y}, kLoop, 2);
   }
-  for (const CameraKey& key : app.view().way().keys()) {
+  for (const CameraKey& key : app.view().cameraPath().keys()) {
     const ImVec2 middle{at(key.time), 0.5F * (from.y + to.y)};
     list->AddNgonFilled(middle, 5, IM_COL32(120, 190, 255, 255), 4);
     list->AddNgon(middle, 6, IM_COL32(12, 14, 18, 255), 4);

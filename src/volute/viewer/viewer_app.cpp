@@ -118,10 +118,10 @@ void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input)
     recovery_.adopt(info.path);
   }
   tools_.painting.take(info, news.another);
-  view_.way().take(info);
+  view_.cameraPath().take(info);
   if (news.another || news.otherTimes)
     playback_.setFrames(info, news.another);
-  if (const auto key = view_.way().takeSeek())
+  if (const auto key = view_.cameraPath().takeSeek())
     playback_.timeline().seek(*key);
   if (!news.another)
     return;
@@ -219,8 +219,8 @@ void ViewerApp::beginFilm(const ViewerInput& input) {
     order.width = kSizes[settings_.filmSize][0], order.height = kSizes[settings_.filmSize][1];
   order.begin = timeline.loopBegin(), order.end = timeline.loopEnd();
   order.speed = timeline.speed();
-  if (settings_.follows && view_.way().leads())
-    order.keys = view_.way().keys();
+  if (settings_.follows && view_.cameraPath().leads())
+    order.keys = view_.cameraPath().keys();
   order.turns = settings_.filmTurns && order.keys.empty();
   constexpr double kBrief = 2;  // [s]: too fast for a turn, or but one picture
   if (order.turns && (order.end - order.begin) / order.speed < kBrief)
@@ -285,7 +285,7 @@ void ViewerApp::usePanels(const ViewerInput& input) {
   control(input);
   playback_.timeline().advance(input.seconds);
   if (settings_.follows && !pointer_.drags) {
-    if (const auto there = view_.way().follow(view_.camera(), playback_.timeline().time()))
+    if (const auto there = view_.cameraPath().follow(view_.camera(), playback_.timeline().time()))
       view_.camera() = *there, moving_ = true;
   }
   drawPanels(*this, input);

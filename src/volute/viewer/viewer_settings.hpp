@@ -45,7 +45,7 @@ struct ViewerSettings {
   std::string mapName{};               ///< and the map of fog
   std::string filmName = "film.mp4";
   bool filmTurns = false;  ///< the camera goes once around
-  bool follows = true;     ///< the camera's way, where the scene has one: playing, and in films
+  bool follows = true;     ///< the camera's path, where the scene has one: playing, and in films
   int filmSize = 1;        ///< 640 x 360, 1280 x 720, 1920 x 1080, the window's
 };
 

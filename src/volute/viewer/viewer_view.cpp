@@ -16,7 +16,7 @@ namespace volute {
 
 void ViewerView::forget() {
   begun_ = false;
-  way_.forget();
+  cameraPath_.forget();
   exposure_ = {exposure_.value};
   settings_.look.exposure.reset();
 }

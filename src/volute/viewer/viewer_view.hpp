@@ -7,7 +7,7 @@
 #include <string>
 
 #include "volute/image/view_transform.hpp"
-#include "volute/viewer/camera_way.hpp"
+#include "volute/viewer/camera_path.hpp"
 #include "volute/viewer/playback.hpp"
 #include "volute/viewer/viewer_settings.hpp"
 
@@ -21,14 +21,14 @@ class ViewerView {
       : settings_(settings),
         document_(document),
         playback_(playback),
-        way_(document),
+        cameraPath_(document),
         picture_(std::move(picture)) {}
 
   ViewCamera& camera() { return camera_; }
 
   const ViewCamera& camera() const { return camera_; }
 
-  CameraWay& way() { return way_; }
+  CameraPath& cameraPath() { return cameraPath_; }
 
   ViewPicture& picture() { return picture_; }
 
@@ -82,7 +82,7 @@ class ViewerView {
   ViewerDocument& document_;
   const Playback& playback_;
   ViewCamera camera_;
-  CameraWay way_;
+  CameraPath cameraPath_;
   ViewPicture picture_;
   FirstExposure exposure_;
   mutable std::array<std::optional<Result<const ViewTransform*>>, 2> colorViews_;

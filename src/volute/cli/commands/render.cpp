@@ -27,14 +27,14 @@ namespace {
 
 /// Where a picture is seen from, where the scene chose it.
 void remarkOnCamera(const FilmJob& job, Progress& progress) {
-  if (!job.way || job.way->reason.empty())
+  if (!job.cameraPath || job.cameraPath->reason.empty())
     return;
-  const Vec3 &eye = job.way->view.eye, &target = job.way->view.target;
+  const Vec3 &eye = job.cameraPath->view.eye, &target = job.cameraPath->view.target;
   progress.remark(
       fmt::format("seen {} (--eye {:.2f},{:.2f},{:.2f} --target {:.2f},{:.2f},{:.2f} "
                   "--fov {:g})",
-                  job.way->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(), target.z(),
-                  job.way->fov.value_or(0)));
+                  job.cameraPath->reason, eye.x(), eye.y(), eye.z(), target.x(), target.y(),
+                  target.z(), job.cameraPath->fov.value_or(0)));
 }
 
 /// What --aov names, where it takes a .exr with named channels, and --alpha; empty: it is one

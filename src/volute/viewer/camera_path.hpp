@@ -10,17 +10,17 @@
 
 namespace volute {
 
-/// The camera where its way takes it at a time [s]; what keys leave open is its own.
+/// The camera at a time [s] of its path; what the keys leave open stays.
 ViewCamera alongKeys(const ViewCamera& camera, std::vector<CameraKey> keys, double time);
 
-/// The way of the camera, which the scene keeps: keys at times of the document.
-class CameraWay {
+/// The camera path that the scene stores: keys at times of the document.
+class CameraPath {
  public:
-  explicit CameraWay(ViewerDocument& document) : document_(document) {}
+  explicit CameraPath(ViewerDocument& document) : document_(document) {}
 
   const std::vector<CameraKey>& keys() const { return keys_; }
 
-  /// Whether it leads anywhere.
+  /// Whether there is a path: two keys or more.
   bool leads() const { return keys_.size() > 1; }
 
   /// The document has changed.

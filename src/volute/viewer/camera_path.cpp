@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-#include "volute/viewer/camera_way.hpp"
+#include "volute/viewer/camera_path.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -35,7 +35,7 @@ ViewCamera alongKeys(const ViewCamera& camera, std::vector<CameraKey> keys, doub
   return moved;
 }
 
-void CameraWay::take(const DocumentInfo& info) {
+void CameraPath::take(const DocumentInfo& info) {
   const auto same = [](const CameraKey& a, const CameraKey& b) {
     return a.time == b.time && a.eye == b.eye && a.target == b.target;
   };
@@ -44,12 +44,12 @@ void CameraWay::take(const DocumentInfo& info) {
     keys_ = info.cameraKeys;
 }
 
-void CameraWay::send(const ViewCamera& camera) {
+void CameraPath::send(const ViewCamera& camera) {
   document_.edit({.kind = SceneEdit::Kind::kCamera, .camera = described(camera.view(), keys_)});
   sent_ = true;
 }
 
-void CameraWay::set(const ViewCamera& camera, double time) {
+void CameraPath::set(const ViewCamera& camera, double time) {
   const DocumentInfo* info = document_.info();
   if (!info || !info->editable)
     return document_.say(tr("only a scene keeps a camera path"));
@@ -70,7 +70,7 @@ void CameraWay::set(const ViewCamera& camera, double time) {
       fmt::format(fmt::runtime(tr("key {} of the camera path, at {:.3g} s")), number, time));
 }
 
-void CameraWay::remove(const ViewCamera& camera, double time) {
+void CameraPath::remove(const ViewCamera& camera, double time) {
   if (keys_.empty())
     return document_.say(tr("the camera path has no keys"));
   const auto nearest = std::ranges::min_element(
@@ -81,7 +81,7 @@ void CameraWay::remove(const ViewCamera& camera, double time) {
   document_.say(fmt::format(fmt::runtime(tr("the camera's key at {:.3g} s is removed")), gone));
 }
 
-std::optional<ViewCamera> CameraWay::follow(const ViewCamera& camera, double time) {
+std::optional<ViewCamera> CameraPath::follow(const ViewCamera& camera, double time) {
   if (!leads() || std::exchange(followed_, time) == time)
     return std::nullopt;
   return alongKeys(camera, keys_, time);
