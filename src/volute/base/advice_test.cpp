@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "volute/base/packed_error.hpp"
+
 namespace volute {
 namespace {
 
@@ -47,6 +49,20 @@ TEST(Advice, AnErrorBeginsWithTheSettingUnlessItIsOfAFile) {
   EXPECT_EQ(fullText(error, named), "absent: 'w' is not a plane; leave out <slice>");
   error.path = "s.json", error.member = "/media/0";
   EXPECT_EQ(fullText(error, named), "'w' is not a plane; leave out <slice>");
+}
+
+TEST(Error, ToldApartIsWhatIsWrongAndWhere) {
+  const Error error =
+      failIn("s.json", "/media/0", ErrorCode::kNotFound, "expected {}", "a kind").value();
+  EXPECT_EQ(error.message, "s.json: /media/0: expected a kind");
+  EXPECT_EQ(error.path, "s.json");
+  EXPECT_EQ(error.member, "/media/0");
+  EXPECT_EQ(error.statement, "expected a kind");
+  EXPECT_EQ(failIn("a.vdb", "", ErrorCode::kIo, "gone").value().message, "a.vdb: gone");
+  const Error other = unpacked(error.code, packed(error));
+  EXPECT_EQ(other.message, error.message);
+  EXPECT_EQ(other.member, error.member);
+  EXPECT_EQ(other.statement, error.statement);
 }
 
 TEST(Advice, OfFileKeepsWhatIsKnown) {

@@ -14,7 +14,8 @@ constexpr char kBetween = '\x1f';
 }  // namespace
 
 std::string packed(const Error& error) {
-  std::string text = error.message + kBetween + error.path + kBetween + error.member;
+  std::string text =
+      error.message + kBetween + error.path + kBetween + error.member + kBetween + error.statement;
   for (const Hint& hint : error.hints) {
     text += kBetween + std::to_string(static_cast<int>(hint.change));
     for (const std::string& part : {hint.setting, hint.value, hint.purpose})
@@ -32,6 +33,7 @@ Error unpacked(ErrorCode code, std::string_view text) {
   Error error{code, next()};
   error.path = next();
   error.member = next();
+  error.statement = next();
   while (!text.empty()) {
     const int change = std::atoi(next().c_str());
     Hint hint{static_cast<Hint::Change>(std::clamp(change, 0, 4)), next()};

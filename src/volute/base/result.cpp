@@ -50,6 +50,16 @@ tl::unexpected<Error> failWith(ErrorCode code, Hints hints, fmt::string_view for
   return tl::unexpected<Error>(std::move(error));
 }
 
+Error inFile(Error error, std::string_view path, std::string_view member) {
+  error.path = path;
+  error.member = member;
+  error.statement = std::move(error.message);
+  error.message =
+      cutLongWords(member.empty() ? fmt::format("{}: {}", path, error.statement)
+                                  : fmt::format("{}: {}: {}", path, member, error.statement));
+  return error;
+}
+
 std::string_view remarkName(RemarkCode code) {
   switch (code) {
     case RemarkCode::kNote:

@@ -37,6 +37,10 @@ struct Error {
   std::string path{};    ///< the file; empty: not known, or none
   std::string member{};  ///< the place in the file; without a file the setting: "bounds"
   Hints hints{};         ///< settings that would help
+  /// The message without the file and the member that it begins with: "expected a number", where
+  /// the two are known apart; else empty. Without `path` it is the message, which then names no
+  /// file: inFile() adds one.
+  std::string statement{};
 };
 
 /// A value or an Error. Functions that return one are marked [[nodiscard]].
@@ -83,6 +87,20 @@ template <class... Args>
   auto failed = failWith(code, {}, format, fmt::make_format_args(args...));
   failed.value().member = setting;
   return failed;
+}
+
+/// The error, whose message names no file, as one about a file and a member of it, if given:
+/// "expected a number" becomes "s.json: /media/0: expected a number".
+[[nodiscard]] Error inFile(Error error, std::string_view path, std::string_view member = {});
+
+/// failIn("s.json", "/media/0", ErrorCode::kInvalidData, "expected {}", kinds) is
+/// "s.json: /media/0: expected ..."; without a member, "s.json: expected ...".
+template <class... Args>
+[[nodiscard]] tl::unexpected<Error> failIn(std::string_view path, std::string_view member,
+                                           ErrorCode code, fmt::format_string<Args...> format,
+                                           Args&&... args) {
+  auto failed = failWith(code, {}, format, fmt::make_format_args(args...));
+  return tl::unexpected<Error>(inFile(std::move(failed.value()), path, member));
 }
 
 /// The same result; an error that names neither file nor setting yet is one in `path`, at `member`.

@@ -56,8 +56,10 @@ Result<std::vector<std::vector<std::byte>>> Team::meet(const Status& status,
   if (worst != messages.end()) {
     Error error = errorIn(*worst);
     // Errors of usage are the same on all ranks.
-    if (worst != messages.begin() && error.code != ErrorCode::kInvalidArgument)
+    if (worst != messages.begin() && error.code != ErrorCode::kInvalidArgument) {
       error.message = fmt::format("rank {}: {}", worst - messages.begin(), error.message);
+      error.statement.clear();
+    }
     failed_ = tl::unexpected<Error>(std::move(error));
     return tl::unexpected<Error>(failed_.error());
   }

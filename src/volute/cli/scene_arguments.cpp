@@ -40,14 +40,12 @@ Result<OrderedJson> mediumMembers(const std::string& path, const Arguments& argu
 
 Error aboutOptions(Error error, const std::string& path) {
   constexpr std::string_view kEntry = "/media/0";
-  const std::string place = fmt::format("{}: {}", path, error.member);
   if (isScenePath(path) || error.path != path || !error.member.starts_with(kEntry) ||
-      !error.message.starts_with(place))
+      error.statement.empty())
     return error;
   const std::string_view rest = std::string_view(error.member).substr(kEntry.size());
-  const std::string_view text = std::string_view(error.message).substr(place.size());
   if (!rest.starts_with('/')) {
-    error.message = fmt::format("{}{}{}", path, rest, text);
+    error.message = fmt::format("{}{}: {}", path, rest, error.statement);
     return error;
   }
   const std::size_t end = std::min(rest.find_first_of("/[", 1), rest.size());
@@ -56,7 +54,7 @@ Error aboutOptions(Error error, const std::string& path) {
   if (option.empty())
     return error;
   error.member = fmt::format("{}{}", option, rest.substr(end));
-  error.message = text.starts_with(": ") ? text.substr(2) : text;
+  error.message = error.statement;
   error.path.clear();
   error.code = ErrorCode::kInvalidArgument;
   return error;

@@ -45,6 +45,7 @@ Error errorOfThisRank(Error error) {
     if (!Interrupt::requested())
       ::dup2(realStandardError, STDERR_FILENO);
     error.message = fmt::format("rank {}: {}", launchOfThisProcess()->rank, error.message);
+    error.statement.clear();
   }
   return error;
 }

@@ -205,11 +205,7 @@ Status readField(const FieldRow& field, const FieldValue& value, const FieldOrig
                  void* object) {
   if (const auto good = checkValue(field, value); !good) {
     const FieldFault& wrong = good.error();
-    Error error = origin.wrong(field, wrong.message).value();
-    error.member += wrong.at;
-    if (!origin.options())
-      error.message.insert(origin.place(field).size(), wrong.at);
-    return tl::unexpected(std::move(error));
+    return origin.wrong(field, wrong.message, wrong.at);
   }
   if (field.type == kObject && !value.is_boolean())
     return readFields(*field.table, value, origin.within(field), field.access.make(object));
@@ -308,22 +304,19 @@ std::string FieldOrigin::place(const FieldRow& field) const {
   return options() ? field.optionName(outer) : fmt::format("{}: {}/{}", file, path, field.name);
 }
 
-tl::unexpected<Error> FieldOrigin::wrong(const FieldRow& field, std::string_view message) const {
+tl::unexpected<Error> FieldOrigin::wrong(const FieldRow& field, std::string_view message,
+                                         std::string_view at) const {
   if (options())
-    return failFor(place(field), ErrorCode::kInvalidArgument, "{}", message);
-  auto failed = fail(ErrorCode::kInvalidData, "{}: {}", place(field), message);
-  failed.value().path = file;
-  failed.value().member = fmt::format("{}/{}", path, field.name);
-  return failed;
+    return failFor(fmt::format("{}{}", place(field), at), ErrorCode::kInvalidArgument, "{}",
+                   message);
+  return failIn(file, fmt::format("{}/{}{}", path, field.name, at), ErrorCode::kInvalidData, "{}",
+                message);
 }
 
 tl::unexpected<Error> FieldOrigin::wrong(std::string_view message) const {
   if (options())
     return failFor(outer, ErrorCode::kInvalidArgument, "{}", message);
-  auto failed = fail(ErrorCode::kInvalidData, "{}: {}: {}", file, path, message);
-  failed.value().path = file;
-  failed.value().member = path;
-  return failed;
+  return failIn(file, path, ErrorCode::kInvalidData, "{}", message);
 }
 
 FieldOrigin FieldOrigin::within(const FieldRow& field) const {

@@ -168,7 +168,9 @@ struct FieldOrigin {
 
   /// A message about a member, or about the whole object. The code is kInvalidData for files,
   /// kInvalidArgument for options.
-  tl::unexpected<Error> wrong(const FieldRow& field, std::string_view message) const;
+  /// @param at  the place within the member: "[2]"
+  tl::unexpected<Error> wrong(const FieldRow& field, std::string_view message,
+                              std::string_view at = {}) const;
   tl::unexpected<Error> wrong(std::string_view message) const;
 
   FieldOrigin within(const FieldRow& field) const;

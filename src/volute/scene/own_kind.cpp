@@ -338,7 +338,7 @@ class OwnKind final : public MediumKind {
     info.what = kind_.sentence;
     info.kind = kind_.name;
     const auto wrong = [&](std::string_view what) {
-      return fail(ErrorCode::kInvalidData, "{}: {}: {}", info.file, context.path, what);
+      return failIn(info.file, context.path, ErrorCode::kInvalidData, "{}", what);
     };
     void* medium = nullptr;
     if (const char* why =

@@ -74,9 +74,8 @@ struct SceneEntry {
   Error here(Error error) const {
     error.hints = here(std::move(error.hints));
     if (error.path.empty() && has(error.member)) {
-      error.member = entry.path + '/' + error.member;
-      error.message = fmt::format("{}: {}: {}", file, error.member, error.message);
-      error.path = file;
+      const std::string member = entry.path + '/' + error.member;
+      return inFile(std::move(error), file, member);
     }
     return error;
   }

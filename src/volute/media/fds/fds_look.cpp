@@ -155,7 +155,7 @@ const FieldTable& fdsFields() {
 
 Result<FdsDescription> parseFds(const nlohmann::json& json, const FieldOrigin& origin) {
   VOLUTE_ASSIGN(auto fds, readAs<FdsDescription>(fdsFields(), json, origin));
-  fds.where = origin.options() ? fds.file : fmt::format("{}: {}", origin.file, origin.path);
+  fds.origin = origin;
   return fds;
 }
 

@@ -41,7 +41,7 @@ struct FdsLook {
 
 /// A medium of kind "smoke" in a scene that is an FDS case, or a case on the command line.
 struct FdsDescription {
-  std::string where;                           ///< begins errors: "scene.json: /media/0"
+  FieldOrigin origin;                          ///< of its entry, for errors
   std::string file;                            ///< the case
   std::string field;                           ///< a source of it; empty: the best
   double scale = 1;                            ///< of its extinction

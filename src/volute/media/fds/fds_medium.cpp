@@ -326,9 +326,9 @@ Result<std::shared_ptr<const MediumSnapshot>> FdsMedium::at(const SnapshotReques
 
 Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
   if (description_.scale != 1) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}/scale: is for meshes: the files of an FDS case say what they hold",
-                description_.where);
+    const FieldOrigin& origin = description_.origin;
+    return failIn(origin.file, origin.path + "/scale", ErrorCode::kInvalidArgument,
+                  "is for meshes: the files of an FDS case say what they hold");
   }
   FdsOptions options = optionsOf(description_, reading.maxMemory);
   options.partly = true;

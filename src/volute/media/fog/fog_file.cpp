@@ -270,9 +270,21 @@ const FieldTable& fogFields() {
   return kTable;
 }
 
+std::string FogDescription::where() const {
+  return origin.options() ? "the fog" : fmt::format("{}: {}", origin.file, origin.path);
+}
+
+Error FogDescription::about(Error error, const std::string& member) const {
+  const std::string below = member.empty() ? "" : '/' + member;
+  if (!origin.options())
+    return inFile(std::move(error), origin.file, origin.path + below);
+  error.message = fmt::format("{}{}: {}", where(), below, error.message);
+  return error;
+}
+
 Result<FogDescription> parseFog(const nlohmann::json& json, const FieldOrigin& origin) {
   VOLUTE_ASSIGN(auto fog, readAs<FogDescription>(fogFields(), json, origin));
-  fog.where = origin.options() ? "the fog" : fmt::format("{}: {}", origin.file, origin.path);
+  fog.origin = origin;
   if (fog.top && fog.borderInWind() != FogBorder::kZero) {
     return origin.wrong(fogFields().at("border"),
                         "fog with a top ends where its map does; expected zero");

@@ -52,7 +52,7 @@ struct FogProfileDescription {
 
 /// A medium of kind "fog" in a scene, or what `volute fog` was asked for.
 struct FogDescription {
-  std::string where;  ///< begins every error: "scene.json: /media/0"
+  FieldOrigin origin;  ///< of its entry, for errors
   /// Pictures, one a time; or one name: a picture, a pattern of pictures, or a volume one voxel
   /// high.
   std::vector<std::string> maps;
@@ -76,6 +76,12 @@ struct FogDescription {
   FogBorder borderInWind() const {
     return border.value_or(wind.head<2>().isZero(0) || top ? FogBorder::kZero : FogBorder::kRepeat);
   }
+
+  /// "scene.json: /media/0", or "the fog" of a command.
+  std::string where() const;
+
+  /// An error whose message names no place, as one about this fog or a member of it.
+  Error about(Error error, const std::string& member = {}) const;
 };
 
 const FieldTable& fogFields();

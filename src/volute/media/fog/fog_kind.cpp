@@ -47,7 +47,7 @@ class FogKind final : public MediumKind {
           !shadowsFog(context.geometry, lamps, medium->fogAt(0)))
         remarkLog.remark(
             {RemarkCode::kDoubtful,
-             fmt::format("{}: the scene's geometry shadows none of this fog", fog.where)});
+             fmt::format("{}: the scene's geometry shadows none of this fog", fog.where())});
       medium->remarks = remarkLog.remarks();
     }
     if (before || last)
@@ -146,8 +146,7 @@ Status FogSnapshot::addMediaFor(const Camera& camera, std::vector<AnyMedium>& me
   else if (polar.error().code == ErrorCode::kUnsupported)
     addMedia(media);
   else
-    return fail(polar.error().code, polar.error().hints, "{}: {}", map_->description().where,
-                polar.error().message);
+    return tl::unexpected(map_->description().about(std::move(polar.error())));
   return {};
 }
 

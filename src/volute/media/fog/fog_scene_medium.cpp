@@ -20,10 +20,19 @@ struct Maps {
   std::vector<double> times;
 };
 
-/// The library's error, at a place.
-tl::unexpected<Error> aboutMap(const std::string& where, const Error& error) {
-  const bool wrong = error.code == ErrorCode::kInvalidArgument;
-  return fail(wrong ? ErrorCode::kInvalidData : error.code, "{}: {}", where, error.message);
+/// An argument of the library is data here.
+ErrorCode codeOfData(ErrorCode code) {
+  return code == ErrorCode::kInvalidArgument ? ErrorCode::kInvalidData : code;
+}
+
+/// The library's error as one about a map in a file.
+tl::unexpected<Error> aboutFile(const std::string& file, const Error& error) {
+  return fail(codeOfData(error.code), "{}: {}", file, error.message);
+}
+
+/// The library's error as one about the entry.
+tl::unexpected<Error> aboutEntry(const FogDescription& fog, const Error& error) {
+  return tl::unexpected(fog.about({codeOfData(error.code), error.message}));
 }
 
 Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
@@ -31,7 +40,7 @@ Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, F
   VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
   auto map = FogMap::fromImage(image, placement, colour);
   if (!map)
-    return aboutMap(path, map.error());
+    return aboutFile(path, map.error());
   return map;
 }
 
@@ -83,7 +92,7 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
                            [&](float value) { return value * fog.placement.sigmaMax; });
     auto map = FogMap::fromCoefficients(std::move(grid), fog.placement);
     if (!map)
-      return aboutMap(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
+      return aboutFile(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
     maps.maps.push_back(std::move(*map));
     maps.times.push_back(info.times[i]);
   }
@@ -168,20 +177,24 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
   const FogDescription description = registered(said);
   VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
-    return fail(ErrorCode::kInvalidData, "{}/times: {} times for {} maps; expected one for each",
-                description.where, description.times.size(), maps.maps.size());
+    return tl::unexpected(description.about(
+        {ErrorCode::kInvalidData, fmt::format("{} times for {} maps; expected one for each",
+                                              description.times.size(), maps.maps.size())},
+        "times"));
   }
   layer.times_ = description.times.empty() ? maps.times : description.times;
   if (description.top && maps.maps.size() > 1) {
-    return fail(ErrorCode::kUnsupported, "{}/top: fog with a top has one map, not a sequence of {}",
-                description.where, maps.maps.size());
+    return tl::unexpected(description.about(
+        {ErrorCode::kUnsupported,
+         fmt::format("fog with a top has one map, not a sequence of {}", maps.maps.size())},
+        "top"));
   }
   if (description.top) {
     VOLUTE_ASSIGN(const auto top, readMap(description.top->file, description.top->placement,
                                           FogColour::kRefuse, reading));
     auto fog = FogMedium::make(maps.maps.front(), description.profile, description.options, top);
     if (!fog)
-      return aboutMap(description.where, fog.error());
+      return aboutEntry(description, fog.error());
     layer.still_ = std::make_shared<const FogMedium>(std::move(*fog));
     layer.describe();
     return opened;
@@ -191,11 +204,11 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
     frames.push_back({layer.times_[i], std::move(maps.maps[i])});
   auto sequence = FogSequence::make(std::move(frames), description.profile, description.options);
   if (!sequence)
-    return aboutMap(description.where, sequence.error());
+    return aboutEntry(description, sequence.error());
   layer.sequence_ = std::make_shared<const FogSequence>(std::move(*sequence));
   if (said.borderInWind() != FogBorder::kZero) {
     if (const auto filled = layer.bordered(layer.stored(0), Vec3::Zero()); !filled)
-      return aboutMap(description.where, filled.error());
+      return aboutEntry(description, filled.error());
   }
   layer.describe();
   return opened;

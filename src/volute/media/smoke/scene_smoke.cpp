@@ -212,7 +212,7 @@ const FieldTable& smokeFields() {
 
 Result<SmokeDescription> parseSmoke(const Json& json, const FieldOrigin& origin) {
   VOLUTE_ASSIGN(auto smoke, readAs<SmokeDescription>(smokeFields(), json, origin));
-  smoke.where = origin.options() ? smoke.file : fmt::format("{}: {}", origin.file, origin.path);
+  smoke.origin = origin;
   VOLUTE_TRY(takeMaterial(json, origin, smoke.model));
   if (const auto air = parseMeshAir(smoke.airFields); !air)
     return origin.wrong(smokeFields().at("air_fields"), air.error().message);

@@ -15,7 +15,7 @@ namespace volute {
 
 /// A medium of kind "smoke" in a scene that is on a mesh, or a case on the command line.
 struct SmokeDescription {
-  std::string where;         ///< begins errors about its members: "scene.json: /media/0"
+  FieldOrigin origin;        ///< of its entry, for errors about its members
   std::string file;          ///< the case
   std::string field;         ///< empty: the only scalar
   std::string densityField;  ///< of mass-fraction

@@ -174,10 +174,10 @@ nlohmann::ordered_json SmokeMedium::counts() const {
 
 Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading&) {
   if (description_.givesC && description_.model.quantity != SmokeQuantity::kVisibility) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}/C: is of a visibility field, and this holds {}; a sign's C stands with the "
-                "sign",
-                description_.where, nameOf(description_.model.quantity));
+    const FieldOrigin& origin = description_.origin;
+    return failIn(origin.file, origin.path + "/C", ErrorCode::kInvalidArgument,
+                  "is of a visibility field, and this holds {}; a sign's C stands with the sign",
+                  nameOf(description_.model.quantity));
   }
   VOLUTE_ASSIGN(auto air, parseMeshAir(description_.airFields));
   auto self = std::static_pointer_cast<SmokeMedium>(shared_from_this());
