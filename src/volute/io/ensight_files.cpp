@@ -571,20 +571,20 @@ Status checkEnsight(const std::filesystem::path& casePath, const std::string& fi
   const auto geometryPath = pathOf(opened, opened.geometry, folder, time);
   if (!geometryPath)
     return {};
-  VOLUTE_ASSIGN(const Geometry geometry, readGeometry(*geometryPath));
+  VOLUTE_ASSIGN(const Geometry geometry,
+                ofFile(readGeometry(*geometryPath), geometryPath->string()));
   if (!geometry.whole)
     return {};
   if (std::ranges::none_of(geometry.parts,
                            [](const auto& part) { return part.second.hasVolumes; })) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: has no elements with a volume; expected a mesh of them",
-                geometryPath->string());
+    return failIn(geometryPath->string(), "", ErrorCode::kInvalidData,
+                  "has no elements with a volume; expected a mesh of them");
   }
   const auto scalar = opened.scalars.find(field);
   if (opened.geometry.ofSets || scalar == opened.scalars.end() || scalar->second.ofSets)
     return {};
   const auto fieldPath = pathOf(opened, scalar->second, folder, time);
-  return fieldPath ? checkField(*fieldPath, geometry) : Status();
+  return fieldPath ? ofFile(checkField(*fieldPath, geometry), fieldPath->string()) : Status();
 }
 
 Status checkEnsightCase(const std::filesystem::path& casePath) {

@@ -68,7 +68,7 @@ Status checkKinds(const std::filesystem::path& folder, int below) {
       if (below > 0)
         VOLUTE_TRY(checkKinds(entry.path(), below - 1));
     } else if (entry.is_other(error)) {
-      VOLUTE_TRY(InputFile::check(entry.path()));
+      VOLUTE_TRY(ofFile(InputFile::check(entry.path()), entry.path().string()));
     }
   }
   return {};
@@ -133,10 +133,10 @@ Status checkFoamDimensions(const std::filesystem::path& casePath) {
     for (const auto& entry : std::filesystem::directory_iterator(time.path(), error)) {
       const auto text = entry.is_regular_file(error) ? dimensionsText(entry.path()) : std::nullopt;
       if (text && std::ranges::any_of(*text, [](char c) { return c >= 'a' && c <= 'z'; })) {
-        return fail(ErrorCode::kUnsupported,
-                    "{}: its dimensions are units' names, [{}]; expected the powers of kg, m, s, "
-                    "K, mol, A and cd, as [1 -3 0 0 0 0 0] for kg/m3",
-                    entry.path().string(), *text);
+        return failIn(entry.path().string(), "", ErrorCode::kUnsupported,
+                      "its dimensions are units' names, [{}]; expected the powers of kg, m, s, K, "
+                      "mol, A and cd, as [1 -3 0 0 0 0 0] for kg/m3",
+                      *text);
       }
     }
   }

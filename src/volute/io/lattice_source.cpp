@@ -357,8 +357,10 @@ std::string contradictionIn(const std::vector<LatticeFile>& files,
 /// What is wrong with data of one file of several says which frame that is.
 Error inFrame(Error error, const std::vector<LatticeFile>& files, std::size_t i) {
   if (files.size() > 1 &&
-      (error.code == ErrorCode::kInvalidData || error.code == ErrorCode::kTruncated))
+      (error.code == ErrorCode::kInvalidData || error.code == ErrorCode::kTruncated)) {
     error.message += fmt::format(" (frame {})", files[i].frameText());
+    error.statement.clear();
+  }
   return error;
 }
 

@@ -110,13 +110,20 @@ class SharedValues {
   std::size_t mapped_ = 0;
 };
 
+/// The error of something that does not know the file; the parent adds it.
+tl::unexpected<Error> withoutFile(tl::unexpected<Error> failed) {
+  failed.value().statement = failed.value().message;
+  return failed;
+}
+
 /// @param memory  bytes that it may take
 template <class Function>
 Result<std::string> guarded(std::uint64_t memory, Function&& function) {
   const auto tooLarge = [&] {
-    return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
-                "reading it needs more than the {} MiB of memory allowed, or the file is damaged",
-                memory >> 20);
+    return withoutFile(
+        fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
+             "reading it needs more than the {} MiB of memory allowed, or the file is damaged",
+             memory >> 20));
   };
   try {
     return function();
@@ -125,7 +132,7 @@ Result<std::string> guarded(std::uint64_t memory, Function&& function) {
   } catch (const std::length_error&) {
     return tooLarge();
   } catch (const std::exception& error) {
-    return fail(ErrorCode::kInvalidData, "{}", error.what());
+    return withoutFile(fail(ErrorCode::kInvalidData, "{}", error.what()));
   }
 }
 
@@ -197,18 +204,21 @@ void serveAsReader(ReaderJob::Make make, const ReaderLine& line) {
   endWithParent();
   limitMemory(line.memory);
   const Parameters parameters = readParameters();
-  Result<ReaderJob::Serve> serve = fail(ErrorCode::kIo, "nothing reads it");
+  Result<ReaderJob::Serve> serve = withoutFile(fail(ErrorCode::kIo, "nothing reads it"));
   const auto made = guarded(line.memory, [&]() -> Result<std::string> {
     serve = make(parameters.text);
+    if (!serve)
+      serve = withoutFile(tl::unexpected<Error>(serve.error()));
     return std::string();
   });
   if (!made)
     serve = tl::unexpected<Error>(made.error());
 #ifndef VOLUTE_UNCONFINED
   if (!confineThisProcess({parameters.readable, kSocket, kLifeline, kShared})) {
-    serve = fail(ErrorCode::kUnsupported,
-                 "the process that reads it cannot be confined: this kernel refuses a filter of "
-                 "system calls");
+    serve = withoutFile(
+        fail(ErrorCode::kUnsupported,
+             "the process that reads it cannot be confined: this kernel refuses a filter of "
+             "system calls"));
   }
 #endif
   serveForever(serve, line.memory);

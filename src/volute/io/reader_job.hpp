@@ -18,7 +18,8 @@ namespace volute {
 /// The work of a reader's process.
 struct ReaderJob {
   /// Runs in the child, once for each call: takes the request and returns the reply, and may fill
-  /// `values`.
+  /// `values`. The message of an error begins with the file of the call, or with Error::path where
+  /// another file is at fault; what it throws, and errors of `make`, name none.
   using Serve =
       std::function<Result<std::string>(std::string_view request, std::span<float> values)>;
 

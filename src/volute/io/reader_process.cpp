@@ -293,12 +293,13 @@ Result<std::string> ReaderProcess::call(const std::string& file, std::string_vie
   }
   if (reply.code < 0)
     return text;
-  // What a library threw does not know the file.
   Error error = unpacked(codeOf(reply.code), text);
-  if (!error.message.starts_with(file))
-    error.message = fmt::format("{}: {}", file, error.message);
-  if (error.path.empty() && error.member.empty())
-    error.path = file;
+  if (error.path.empty() && error.statement.empty()) {
+    if (error.member.empty())
+      error.path = file;
+  } else if (error.path != file) {  // what a library threw names none
+    error = inFile(std::move(error), file);
+  }
   return tl::unexpected<Error>(std::move(error));
 }
 

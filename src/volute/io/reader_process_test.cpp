@@ -45,6 +45,10 @@ Result<std::string> misbehave(std::string_view request, std::span<float> values)
   }
   if (request == "throw")
     throw std::runtime_error("odd bytes");
+  if (request == "damaged")
+    return fail(ErrorCode::kTruncated, "file: ends early");
+  if (request == "piece")
+    return ofFile(Result<std::string>(fail(ErrorCode::kTruncated, "piece: ends early")), "piece");
   if (request == "fail")
     return failFor("bounds", ErrorCode::kUnsupported, Hint::raise("max_memory").so("helps"),
                    "file: no such thing");
@@ -61,6 +65,18 @@ TEST(ReaderProcess, RepliesAndSharesValues) {
     ASSERT_EQ(process.values().size(), count);
     EXPECT_EQ(process.values()[count - 1], static_cast<float>(count - 1));
   }
+}
+
+TEST(ReaderProcess, ErrorsBeginWithTheFileOfTheCall) {
+  ReaderProcess process(misbehave);
+  const auto errorOf = [&](const char* request) {
+    return process.call("file", request, 0, kLimits).error();
+  };
+  EXPECT_EQ(errorOf("damaged").message, "file: ends early");
+  EXPECT_EQ(errorOf("piece").message, "file: piece: ends early");
+  EXPECT_EQ(errorOf("throw").message, "file: odd bytes");
+  for (const char* request : {"damaged", "piece", "throw"})
+    EXPECT_EQ(errorOf(request).path, "file") << request;
 }
 
 /// As misbehave(); what it was made with comes back too.

@@ -193,7 +193,7 @@ Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& s
   std::vector<vtkUnstructuredGrid*> grids;
   for (const auto& piece : std::span(pieces).subspan(static_cast<std::size_t>(begin),
                                                      static_cast<std::size_t>(end - begin))) {
-    VOLUTE_ASSIGN(auto grid, readVtu(piece, watch));
+    VOLUTE_ASSIGN(auto grid, ofFile(readVtu(piece, watch), piece.string()));
     if (hasVolume(*grid)) {
       grids.push_back(grid);
       held.push_back(std::move(grid));
@@ -277,7 +277,7 @@ Result<MeshHead> readVtkHead(const std::filesystem::path& path) {
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(file.c_str());
   reader->UpdateInformation();
-  VOLUTE_TRY(watch.status(file.string()));
+  VOLUTE_TRY(ofFile(watch.status(file.string()), file.string()));
   MeshHead head{.time = statedTime(*reader)};
   for (const bool cells : {false, true}) {
     auto* list = reader->GetOutputInformation(0)->Get(cells ? vtkDataObject::CELL_DATA_VECTOR()
