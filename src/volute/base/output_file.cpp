@@ -18,14 +18,15 @@ namespace volute {
 namespace {
 
 /// Where a target is: symbolic links lead there.
-Result<std::filesystem::path> placeOf(const std::filesystem::path& target) {
+Result<std::filesystem::path> placeOf(const std::filesystem::path& target,
+                                      const std::string& name) {
   constexpr int kMaxLinks = 40;
   std::filesystem::path place = target;
   std::error_code error;
   for (int i = 0; std::filesystem::is_symlink(place, error); ++i) {
     const auto next = std::filesystem::read_symlink(place, error);
     if (error || i == kMaxLinks)
-      return fail(ErrorCode::kIo, "{}: this symbolic link leads nowhere", target.string());
+      return fail(ErrorCode::kIo, "{}: this symbolic link leads nowhere", name);
     place = place.parent_path() / next;
   }
   return place;
@@ -70,17 +71,20 @@ Status syncFolderOf(const std::filesystem::path& path, const std::string& name) 
 
 }  // namespace
 
-PendingFile::PendingFile(std::filesystem::path target, std::filesystem::path place)
-    : target_(std::move(target)), place_(std::move(place)) {}
+PendingFile::PendingFile(std::filesystem::path target, std::filesystem::path place,
+                         std::string name)
+    : target_(std::move(target)), place_(std::move(place)), name_(std::move(name)) {}
 
-Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
+Result<PendingFile> PendingFile::create(const std::filesystem::path& target,
+                                        const std::string& name) {
   static std::atomic<unsigned> counter{0};
-  VOLUTE_ASSIGN(const auto place, placeOf(target));
-  PendingFile pending(target, place);  // before the file is there: memory may end here
+  const std::string shown = name.empty() ? target.string() : name;
+  VOLUTE_ASSIGN(const auto place, placeOf(target, shown));
+  PendingFile pending(target, place, shown);  // before the file is there: memory may end here
   struct stat old{};
   const bool replaces = ::stat(place.c_str(), &old) == 0;
   if (replaces)
-    VOLUTE_TRY(checkReplaceable(place, old.st_mode, target.string()));
+    VOLUTE_TRY(checkReplaceable(place, old.st_mode, shown));
   constexpr std::size_t kLongestStem = 200, kLongestExtension = 20;  // of 255 bytes
   auto temporary = siblingOf(
       place,
@@ -88,7 +92,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target) {
                   counter++, place.extension().string().substr(0, kLongestExtension)));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", target.string(),
+    return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", shown,
                 std::strerror(errno));
   }
   if (replaces) {
@@ -109,37 +113,37 @@ PendingFile::~PendingFile() {
 PendingFile::PendingFile(PendingFile&& other) noexcept
     : temporary_(std::exchange(other.temporary_, {})),
       target_(std::move(other.target_)),
-      place_(std::move(other.place_)) {}
+      place_(std::move(other.place_)),
+      name_(std::move(other.name_)) {}
 
 PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
   std::swap(temporary_, other.temporary_);
   std::swap(target_, other.target_);
   std::swap(place_, other.place_);
+  std::swap(name_, other.name_);
   return *this;
 }
 
 Status PendingFile::commit() {
   if (isProtected(target_, place_)) {
     return fail(ErrorCode::kInvalidArgument,
-                "{}: is read by this run and would be replaced; give another name",
-                target_.string());
+                "{}: is read by this run and would be replaced; give another name", name_);
   }
-  VOLUTE_TRY(syncPath(temporary_, target_.string()));
-  if (::rename(temporary_.c_str(), place_.c_str()) != 0) {
-    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", target_.string(),
-                std::strerror(errno));
-  }
+  VOLUTE_TRY(syncPath(temporary_, name_));
+  if (::rename(temporary_.c_str(), place_.c_str()) != 0)
+    return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name_, std::strerror(errno));
   temporary_.clear();
-  return syncFolderOf(place_, target_.string());
+  return syncFolderOf(place_, name_);
 }
 
-Result<OutputFile> OutputFile::create(const std::filesystem::path& target) {
+Result<OutputFile> OutputFile::create(const std::filesystem::path& target,
+                                      const std::string& name) {
   if (target == "-")
     return OutputFile(::dup(STDOUT_FILENO), nullptr);
-  VOLUTE_ASSIGN(auto pending, PendingFile::create(target));
+  VOLUTE_ASSIGN(auto pending, PendingFile::create(target, name));
   const int descriptor = ::open(pending.path().c_str(), O_WRONLY | O_CLOEXEC);
   if (descriptor < 0)
-    return fail(ErrorCode::kIo, "{}: cannot write: {}", target.string(), std::strerror(errno));
+    return fail(ErrorCode::kIo, "{}: cannot write: {}", pending.name(), std::strerror(errno));
   return OutputFile(descriptor, std::make_unique<PendingFile>(std::move(pending)));
 }
 
@@ -154,7 +158,7 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
       size_(other.size_) {}
 
 std::string OutputFile::name() const {
-  return pending_ ? pending_->target().string() : "standard output";
+  return pending_ ? pending_->name() : "standard output";
 }
 
 Status OutputFile::write(std::span<const std::byte> bytes) {

@@ -22,7 +22,9 @@ class PendingFile {
   /// Creates the empty temporary file; kIo when the folder cannot be written, and for targets that
   /// are there and are write-protected or no regular files. The temporary name keeps the target's
   /// extension, which some libraries go by.
-  [[nodiscard]] static Result<PendingFile> create(const std::filesystem::path& target);
+  /// @param name  of the target in errors; empty: its own
+  [[nodiscard]] static Result<PendingFile> create(const std::filesystem::path& target,
+                                                  const std::string& name = {});
 
   ~PendingFile();
   PendingFile(PendingFile&& other) noexcept;
@@ -32,22 +34,28 @@ class PendingFile {
 
   const std::filesystem::path& target() const { return target_; }
 
+  /// Of the target, in errors.
+  const std::string& name() const { return name_; }
+
   /// fsync, then rename over the target, then fsync its folder. Call it once.
   [[nodiscard]] Status commit();
 
  private:
-  PendingFile(std::filesystem::path target, std::filesystem::path place);
+  PendingFile(std::filesystem::path target, std::filesystem::path place, std::string name);
 
   std::filesystem::path temporary_;  // empty: there is none
   std::filesystem::path target_;     // as it was named
   std::filesystem::path place_;      // where it is, symbolic links followed
+  std::string name_;
 };
 
 /// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard
 /// output.
 class OutputFile {
  public:
-  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target);
+  /// @param name  of the target in errors; empty: its own
+  [[nodiscard]] static Result<OutputFile> create(const std::filesystem::path& target,
+                                                 const std::string& name = {});
 
   ~OutputFile();
   OutputFile(OutputFile&& other) noexcept;

@@ -102,7 +102,7 @@ Status checkSameInput(const VolumeInfo& info, Team& team) {
 
 Status Compressor::checkCancelled() const {
   if (progress_.cancelled())
-    return fail(ErrorCode::kCancelled, "stopped: {} was not written", target_.string());
+    return fail(ErrorCode::kCancelled, "stopped: {} was not written", name_);
   return {};
 }
 
@@ -149,13 +149,13 @@ tl::unexpected<Error> Compressor::unreachable() const {
   if (goal_.isSize()) {
     return fail(ErrorCode::kUnsupported,
                 "{}: cannot be made as small as {} = {}; the smallest is {} bytes of {} raw ones",
-                target_.string(), nameOf(options_.target.kind), options_.target.value, fileBytes_,
+                name_, nameOf(options_.target.kind), options_.target.value, fileBytes_,
                 info_.rawBytes());
   }
   return fail(ErrorCode::kUnsupported,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",
-              target_.string(), nameOf(options_.target.kind), options_.target.value,
+              name_, nameOf(options_.target.kind), options_.target.value,
               options_.target.isOverSupport() ? support_.rms + overSupport(rounding_)
                                               : relativeRms_ + overAll(rounding_),
               error_.maximum + rounding_);
@@ -193,7 +193,7 @@ std::vector<FaintFrame> Compressor::faintFrames() const {
 Result<CompressReport> Compressor::write() {
   VOLUTE_TRY(team_.agree(completeUnits()));
   const auto writeAll = [&]() -> Status {
-    VOLUTE_ASSIGN(auto file, CheckedFile::create(target_));
+    VOLUTE_ASSIGN(auto file, CheckedFile::create(target_, name_));
     VOLUTE_TRY(file.bytes().write(headBytes_));
     VOLUTE_TRY(units_.writeSegments(file.bytes(), [this] { return checkCancelled(); }));
     return file.commit(headBytes_, std::span(&head_, 1), progress_);
@@ -293,7 +293,7 @@ bool Compressor::nearEnough() const {
 }
 
 Result<CompressReport> Compressor::run() {
-  VOLUTE_TRY(units_.open(target_));
+  VOLUTE_TRY(units_.open(target_, name_));
   VOLUTE_TRY(survey());
   if (options_.halves)
     goal_.leaveRoomForHalves(roundingToHalves());

@@ -79,6 +79,8 @@ struct CompressOptions {
   /// A folder for finished units, shared by all ranks: an interrupted run continues from them, with
   /// any number of ranks, and gives the same bytes. Removed at the end. Empty: none.
   std::filesystem::path work{};
+  /// The name of the file in errors, where the target is a temporary file; empty: the target.
+  std::string name{};
 };
 
 /// A frame whose own values span less than a tenth of the range that errors are relative to.

@@ -416,6 +416,23 @@ TEST(Compress, ReachesWhatFloatsAllowAndSaysWhenNot) {
   EXPECT_TRUE(std::filesystem::is_empty(file.folder()));
 }
 
+TEST(Compress, ErrorsNameTheFileAsTheCallerDoes) {
+  const Sequence sequence = plumes(1, 8, 8, 8);
+  const ScratchFile file;
+  CompressOptions options;
+  for (const std::string name : {"", "result.volute"}) {
+    options.name = name;
+    const auto refused = compressTo(file.path(), sequence, {Kind::kMaxError, 1e-12}, options);
+    ASSERT_FALSE(refused);
+    const std::string shown = name.empty() ? file.path().string() : name;
+    EXPECT_TRUE(refused.error().message.starts_with(shown + ": ")) << refused.error().message;
+  }
+  const auto nowhere =
+      compressTo(file.folder() / "none" / "a.volute", sequence, {Kind::kRms, 1e-3}, options);
+  ASSERT_FALSE(nowhere);
+  EXPECT_TRUE(nowhere.error().message.starts_with("result.volute: ")) << nowhere.error().message;
+}
+
 TEST(Compress, NonsenseTargetsAndWaveletsAreRefused) {
   const Sequence sequence = plumes(1, 4, 4, 4);
   const ScratchFile file;

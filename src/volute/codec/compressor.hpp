@@ -48,6 +48,7 @@ class Compressor {
   Compressor(FrameSource& source, const std::filesystem::path& target,
              const CompressOptions& options, int layersAUnit, Progress& progress, Team& team)
       : target_(target),
+        name_(options.name.empty() ? target.string() : options.name),
         options_(options),
         progress_(progress),
         team_(team),
@@ -154,6 +155,7 @@ class Compressor {
   }
 
   std::filesystem::path target_;
+  std::string name_;  // of the target, in errors
   const CompressOptions& options_;
   Progress& progress_;
   Team& team_;

@@ -125,7 +125,7 @@ std::array<std::uint64_t, kWaveletTiers.size()> EncodedUnitRecord::tierSizes() c
   return sizes;
 }
 
-Status EncodedUnits::open(const std::filesystem::path& target) {
+Status EncodedUnits::open(const std::filesystem::path& target, const std::string& name) {
   auto folder = target == "-" ? std::filesystem::temp_directory_path() : target.parent_path();
   if (folder.empty())
     folder = ".";
@@ -135,8 +135,8 @@ Status EncodedUnits::open(const std::filesystem::path& target) {
   for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
     auto spool = Spool::create(folder);
     if (!spool)
-      return fail(spool.error().code, spool.error().hints, "{}: cannot be written: {}",
-                  target.string(), spool.error().message);
+      return fail(spool.error().code, spool.error().hints, "{}: cannot be written: {}", name,
+                  spool.error().message);
     spools_.push_back(std::move(*spool));
   }
   return {};

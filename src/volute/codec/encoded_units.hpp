@@ -93,7 +93,8 @@ class EncodedUnits {
   void setChecked(bool checked) { checked_ = checked; }
 
   /// Makes the files beside the target.
-  [[nodiscard]] Status open(const std::filesystem::path& target);
+  /// @param name  of the target, in errors
+  [[nodiscard]] Status open(const std::filesystem::path& target, const std::string& name);
 
   /// Throws all away.
   [[nodiscard]] Status clear();

@@ -128,13 +128,14 @@ Status checkWritten(const InputFile& file, const std::string& name,
   return {};
 }
 
-Result<CheckedFile> CheckedFile::create(const std::filesystem::path& target) {
+Result<CheckedFile> CheckedFile::create(const std::filesystem::path& target,
+                                        const std::string& name) {
   if (target == "-") {
     VOLUTE_ASSIGN(auto out, OutputFile::create(target));
     return CheckedFile(std::nullopt, std::move(out));
   }
-  VOLUTE_ASSIGN(auto pending, PendingFile::create(target));
-  VOLUTE_ASSIGN(auto out, OutputFile::create(pending.path()));
+  VOLUTE_ASSIGN(auto pending, PendingFile::create(target, name));
+  VOLUTE_ASSIGN(auto out, OutputFile::create(pending.path(), pending.name()));
   return CheckedFile(std::move(pending), std::move(out));
 }
 
@@ -145,7 +146,7 @@ Status CheckedFile::commit(std::span<const std::byte> headBytes, std::span<const
     return {};
   {
     VOLUTE_ASSIGN(const auto file, InputFile::open(pending_->path()));
-    VOLUTE_TRY(checkWritten(file, pending_->target().string(), headBytes, heads, progress));
+    VOLUTE_TRY(checkWritten(file, pending_->name(), headBytes, heads, progress));
   }
   return pending_->commit();
 }

@@ -31,7 +31,8 @@ namespace volute {
 /// A .volute file that gets its name after checkWritten(). Standard output ("-") is not checked.
 class CheckedFile {
  public:
-  [[nodiscard]] static Result<CheckedFile> create(const std::filesystem::path& target);
+  [[nodiscard]] static Result<CheckedFile> create(const std::filesystem::path& target,
+                                                  const std::string& name = {});
 
   /// Takes all bytes of the file, in order.
   OutputFile& bytes() { return bytes_; }

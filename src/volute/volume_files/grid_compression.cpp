@@ -105,8 +105,6 @@ class GridFiles {
   Status compressOne(std::size_t i, const ErrorTarget& target);
   Status keepAll();
   std::vector<KeptResult> keptResults() const;
-  std::string errorIn(const VolumeGrid& grid, std::string message,
-                      const std::string& temporary) const;
 
   const VolumeGrids& grids_;
   const std::vector<std::size_t>&chosen_, &kept_;
@@ -120,14 +118,6 @@ class GridFiles {
   std::unique_ptr<FrameSource> frames_;  // the same, without values
   std::optional<KeptStore> store_;       // of rank 0
 };
-
-std::string GridFiles::errorIn(const VolumeGrid& grid, std::string message,
-                               const std::string& temporary) const {
-  // The grid's own file is nobody else's business.
-  if (const auto at = message.find(temporary); !temporary.empty() && at != std::string::npos)
-    message.replace(at, temporary.size(), target_);
-  return fmt::format("grid '{}': {}", grid.name, message);
-}
 
 Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   const VolumeGrid& grid = grids_.grids()[chosen_[i]];
@@ -144,13 +134,13 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   options.halves = grid.description && grid.description->half;
   if (!options.work.empty())
     options.work /= fmt::format("{:03}", i);
-  const bool leads = team_.leads();
-  const std::string file = leads ? files_[i].path().string() : target_;
+  options.name = target_;  // errors do not name a grid's own, temporary file
+  const std::string file = team_.leads() ? files_[i].path().string() : target_;
   GridProgress progress(reading_.progress, grid.name);
   auto report = compress(*source, file, options, progress, team_);
   if (!report) {
-    return fail(report.error().code, report.error().hints, "{}",
-                errorIn(grid, report.error().message, leads ? file : ""));
+    return fail(report.error().code, report.error().hints, "grid '{}': {}", grid.name,
+                report.error().message);
   }
   done_.back().info = source->info();
   done_.back().report = *report;
