@@ -36,9 +36,8 @@ struct OpenOptions {
   bool verify = true;    ///< with `partial`: check them first, and report what is missing
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
-  bool sightOnly =
-      false;            ///< what only pictures need is left out; SceneMedium::sight() is asked for
-  bool byTree = false;  ///< pictures are drawn from the tree, which holds values and no light
+  bool sightOnly = false;  ///< for SceneMedium::sight() only: data for pictures are not read
+  bool byTree = false;     ///< pictures are drawn from the tree, which holds values and no light
   std::shared_ptr<const LightCache> lightCache{};  ///< on disk, for the light of lamps; may be null
   std::shared_ptr<LightMemory> lightMemory{};      ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with

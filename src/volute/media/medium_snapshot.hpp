@@ -18,8 +18,8 @@
 
 namespace volute {
 
-/// Draws one medium at all pixels at once, faster than along their rays. Keeps what serves other
-/// instants of the same medium, so it is used by one thread at a time.
+/// Draws one medium at all pixels at once, faster than along their rays. Caches data for other
+/// snapshots of the same medium; not thread-safe.
 class MediumPicture {
  public:
   virtual ~MediumPicture() = default;
@@ -33,9 +33,9 @@ class MediumPicture {
   virtual void light(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) = 0;
 
-  /// Of a medium of which several ranks hold a share each: the optical depth along segments of what
-  /// all hold, which all ranks ask for together, for the same segments. Empty: it is not shared, or
-  /// not known along any but pixels' rays.
+  /// For a medium shared by ranks: the optical depth of the whole along segments, a collective call
+  /// with the same segments on all ranks. Empty: the medium is not shared, or knows only the rays
+  /// of pixels.
   virtual DepthsAlong depthsOfAll() const { return {}; }
 };
 
@@ -55,15 +55,14 @@ struct WallHit {
   Vec3 normal = Vec3::UnitX();  ///< unit, into the medium
 };
 
-/// What glows in a scene, as lamps, and what is in the way of all lights.
+/// The emission of media as lamps, and the media that absorb the light of all lamps.
 struct MediaLight {
   std::span<const Lamp> lamps;
   std::span<const AnyMedium> between{};  ///< all other media, with their physical extinction
 };
 
-/// A medium at one time, immutable and shared between threads: what rays meet, and by query what
-/// somebody can do faster or beyond rays. Extinctions are times the factor of the picture's law
-/// that it was asked for with.
+/// A medium at one time, immutable and shared between threads: media for rays and, optionally,
+/// faster paths and more than rays. All extinctions include SnapshotRequest::factor.
 class MediumSnapshot {
  public:
   virtual ~MediumSnapshot() = default;
@@ -71,11 +70,10 @@ class MediumSnapshot {
   /// Appends what rays from anywhere meet: one medium, or several that overlap.
   virtual void addMedia(std::vector<AnyMedium>& media) const = 0;
 
-  /// The same as far as light that is in its way is concerned: what it sends may be left out.
+  /// The same for absorption only; emission may be left out.
   virtual void addExtinction(std::vector<AnyMedium>& media) const { addMedia(media); }
 
-  /// The same for rays from a camera's eye, where something faster serves them, or where it depends
-  /// on the eye.
+  /// The same for rays from a camera's eye: may be faster, or depend on the eye.
   [[nodiscard]] virtual Status addMediaFor(const Camera& camera,
                                            std::vector<AnyMedium>& media) const {
     (void)camera;
@@ -87,21 +85,20 @@ class MediumSnapshot {
   virtual bool drawsItself() const { return false; }
 
   /// Null, or what draws it at all pixels at once.
-  /// @param earlier  what this gave for another snapshot of the scene, which may serve; or null
+  /// @param earlier  the picture of another snapshot, to be reused if possible; or null
   virtual std::shared_ptr<MediumPicture> picture(std::shared_ptr<MediumPicture> earlier) const {
     (void)earlier;
     return nullptr;
   }
 
-  /// Null, or what looks nearly the same and is drawn much sooner: without surfaces' shadows.
+  /// A preview that is drawn much faster, without shadows of surfaces; or null.
   virtual std::shared_ptr<const MediumSnapshot> quick() const { return nullptr; }
 
-  /// Where it glows, and how strongly: lamps that shine everywhere, a bounded number, in the
-  /// scene's place. Nothing takes from their light yet. Empty: it lights nothing but itself.
+  /// Its emission as a bounded number of point lamps in scene coordinates, without absorption.
+  /// Empty: it lights only itself.
   virtual std::vector<Lamp> lightSources() const { return {}; }
 
-  /// The same in the light of other media besides all that shines at it anyway, and in their
-  /// shadow; null: that changes nothing of it.
+  /// The same, lit and shadowed by other media, too; null: they do not change it.
   virtual std::shared_ptr<const MediumSnapshot> litBy(const MediaLight& light) const {
     (void)light;
     return nullptr;
@@ -110,7 +107,7 @@ class MediumSnapshot {
   /// What it holds alone, about [bytes].
   virtual std::uint64_t memoryBytes() const { return 0; }
 
-  /// Whether it has less detail than one that rests: SnapshotRequest::moving.
+  /// Whether it has reduced detail: SnapshotRequest::moving.
   virtual bool provisional() const { return false; }
 
   /// Whether it has walls of its own, which lookAtWalls() draws.
@@ -123,7 +120,7 @@ class MediumSnapshot {
   }
 
   /// @param others  that stand in the light besides
-  /// @param only  empty, or one for each pixel: of the others nothing is asked
+  /// @param only  empty, or one for each pixel: 0 leaves it out
   [[nodiscard]] virtual Result<SurfaceView> lookAtWalls(const Camera& camera,
                                                         const TriangleScene& others,
                                                         std::span<const std::uint8_t> only) const {
@@ -131,7 +128,7 @@ class MediumSnapshot {
     return SurfaceView{};
   }
 
-  /// False, with nothing done, where no contours can be cut from it.
+  /// Returns false, without any change, if it has no contours.
   virtual bool addContour(const Contour& contour, const Camera& camera,
                           ContourPieces& pieces) const {
     (void)contour, (void)camera, (void)pieces;

@@ -18,17 +18,17 @@
 
 namespace volute {
 
-/// What is known of a medium over all its time.
+/// Properties of a medium over all times.
 struct MediumInfo {
   std::string file;  ///< that it is in, as it was opened
   std::string what;  ///< "a map of fog"; a title says it of a file that holds nothing else
-  std::string kind;  ///< "volume": what titles count
+  std::string kind;  ///< "volume": titles count media by kind
   std::string size;  ///< "64 x 64 x 64 voxels, 48 frames"; empty: nothing to be said
 
   Box3 bounds;      ///< in the scene, over all times; may be infinite [m]
   Box3 fileBounds;  ///< before what the scene does with it [m]
 
-  /// When each stored frame is shown as it is, in the scene's time, ascending; one at least [s].
+  /// Times of the stored frames, in the scene's time, ascending; at least one [s].
   std::vector<double> times{0.0};
   std::vector<int> numbers{0};  ///< what a person calls them
   FrameScale frameScale{};      ///< what the numbers mean
@@ -51,18 +51,16 @@ struct MediumInfo {
   }
 
   int channels = 3;                 ///< 1: its light is grey, and colour maps apply
-  bool measured = false;            ///< is seen as it is: no exposure is looked for
+  bool measured = false;            ///< shown without automatic exposure
   bool burns = false;               ///< somewhere it may be brighter than white
-  std::optional<PictureLaw> law{};  ///< that it wants to be seen through
+  std::optional<PictureLaw> law{};  ///< the law of pictures that it requests
   bool lawByC = false;  ///< C was said, not assumed, and nothing but the law depends on it
   bool shared = false;  ///< this process holds a share of it, see OpenOptions::team
-  /// With `shared`: all ranks together find its first time, and what of lamps' light comes through
-  /// it to surfaces.
+  /// With `shared`: the first time and the transmittance from lamps to surfaces are collective.
   bool sharesAll = false;
-  bool captioned =
-      false;  ///< pictures of it alone say what they show, unless they are asked not to
+  bool captioned = false;  ///< pictures of it alone have a legend by default
 
-  /// What of its values is mass: "of soot", "g/m3". Nothing: they tell no mass, and `noMass` why.
+  /// The mass that its values measure: "of soot", "g/m3". Nothing: none, for the reason `noMass`.
   struct Mass {
     std::string of, unit;
     std::string field;  ///< "soot-density [g/m3]": two media with the same have one scale
@@ -78,7 +76,7 @@ struct PlaceMark {
   std::string text;
 };
 
-/// What a picture says about a medium in it.
+/// Text about a medium in a picture.
 struct MediumText {
   std::vector<std::string> notes{};   ///< in the file of the picture
   std::vector<std::string> legend{};  ///< short lines
@@ -95,7 +93,7 @@ struct SnapshotRequest {
                         ///< may have less detail
   bool lit = true;      ///< false: extinction alone is asked for, so no light need be worked out
   bool tree = false;    ///< of a .volute: the hexadeca-tree in memory, not the frame's bricks
-  /// From where it will be seen [m]: what is in the way may be left out. Nothing: all is there.
+  /// The eye [m]: parts that block its view may be left out. Nothing: no part is left out.
   std::optional<Vec3> eye{};
 };
 
@@ -108,15 +106,15 @@ struct FirstTime {
 class SightField;
 struct Reading;
 
-/// A medium in time, for pictures and sight lines. One thread at a time calls it; what at() gives
-/// is free of it.
+/// A medium in time, for pictures and sight lines. Not thread-safe, unlike the snapshots that at()
+/// returns.
 class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
  public:
   virtual ~SceneMedium() = default;
 
   const MediumInfo& info() const { return info_; }
 
-  /// The medium at a time of the scene: before its first and after its last frame it is theirs.
+  /// The medium at a time of the scene, clamped to its first and last frame.
   [[nodiscard]] virtual Result<std::shared_ptr<const MediumSnapshot>> at(
       const SnapshotRequest& request, Progress& progress) = 0;
 
@@ -130,7 +128,8 @@ class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
     return true;
   }
 
-  /// A number for what addSurfaces() adds at a time: while it stays, so do they. 0: nothing.
+  /// A key of the surfaces that addSurfaces() adds at a time: equal keys mean equal surfaces. 0:
+  /// none.
   virtual std::uint64_t surfacesKey(const SnapshotRequest& request) const {
     (void)request;
     return 0;
@@ -148,17 +147,17 @@ class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
     return {};
   }
 
-  /// From where it is seen where nobody says; nothing: a camera that frames its bounds.
+  /// The default camera; nothing: one that frames its bounds.
   virtual std::optional<CameraDescription> firstCamera() const { return std::nullopt; }
 
-  /// When it is seen best in one picture where nobody says; nothing: at its first frame.
+  /// The default time of a single picture; nothing: its first frame.
   [[nodiscard]] virtual Result<std::optional<FirstTime>> firstTime(Progress& progress) {
     (void)progress;
     return std::nullopt;
   }
 
-  /// From where it will be seen, in pictures that measure nothing: what nobody said of how it is
-  /// drawn is chosen, for all of them, by the closest view.
+  /// The views of all pictures to come that measure nothing: options of appearance that were not
+  /// given are chosen for the closest view.
   virtual void chooseLook(std::span<const Camera> views) { (void)views; }
 
   /// All files that it is read from.
@@ -178,7 +177,7 @@ class SceneMedium : public std::enable_shared_from_this<SceneMedium> {
 
   virtual bool damaged() const { return false; }
 
-  /// What was said when its files were opened.
+  /// Remarks made while its files were opened.
   std::vector<Remark> remarks{};
 
  protected:

@@ -21,8 +21,7 @@
 #include "volute/math/box.hpp"
 #include "volute/math/vec.hpp"
 
-// What the question "from where is the exit sign still seen?" asks of a medium, whatever it is made
-// of: cells, tetrahedra, a formula.
+// Visibility of exit signs through a medium of any representation: cells, tetrahedra, a formula.
 
 namespace volute {
 
@@ -36,11 +35,11 @@ struct SightLine {
 
 /// What lies on a sight line.
 struct Sight {
-  /// Integral of the extinction K over the line (natural logarithm, dimensionless). Solids count as
-  /// clear, and so do stretches of which the field knows nothing.
+  /// Integral of the extinction K over the line (natural logarithm, dimensionless). Solids and
+  /// stretches outside the field count as clear.
   double depth = 0;
-  /// What the true integral is within, as far as the field's data are rounded (bytes, say):
-  /// low <= depth <= high.
+  /// Bounds of the true integral, given the rounding of the field's data (to bytes, say): low <=
+  /// depth <= high.
   double low = 0, high = 0;
   bool covered = true;   ///< the field knows the medium everywhere on the line, solids aside
   bool blocked = false;  ///< something opaque stands between; what ends at the target does not
@@ -53,7 +52,7 @@ enum class Place : unsigned char {
   kOutside,  ///< the field does not reach here
 };
 
-/// What a floor plan draws at its true place: a rectangle, flat ones as lines.
+/// A rectangle of a floor plan; one without area is a line.
 struct PlanShape {
   enum class Kind : unsigned char {
     kSolid,    ///< stands there
@@ -74,8 +73,8 @@ struct SightWeight {
   float weight = 0;
 };
 
-/// Adds to a value's weight if it is among the last few, else appends it. `first` is where the
-/// line's weights begin. Neighbouring cells share corners.
+/// Adds to the weight of a value among the last few, since neighbouring cells share corners; else
+/// appends it. The line's weights begin at `first`.
 inline void addWeight(std::vector<SightWeight>& weights, std::size_t first, std::uint32_t value,
                       double weight) {
   constexpr std::size_t kRecent = 12;
@@ -108,8 +107,8 @@ class SightSnapshot {
   /// Fills sights[i] for lines[i]. Called from many threads, each with a batch of its own.
   virtual void look(std::span<const SightLine> lines, std::span<Sight> sights) const = 0;
 
-  /// What the depth of each line lies within, for less than look() costs: low <= Sight::low and
-  /// Sight::high <= high. 0 and infinite where that cannot be told.
+  /// Bounds of the depth of each line, cheaper than look(): low <= Sight::low and Sight::high <=
+  /// high; 0 and infinity if unknown.
   virtual void bounds(std::span<const SightLine> lines, std::span<double> low,
                       std::span<double> high) const = 0;
 
@@ -119,14 +118,14 @@ class SightSnapshot {
   /// Fills `places` with what stands at each point.
   virtual void places(std::span<const Vec3> points, std::span<Place> places) const = 0;
 
-  /// What is cut by a level [m]; empty where nothing is known but places().
+  /// The shapes that a horizontal plane at z [m] cuts; empty if only places() is known.
   virtual std::vector<PlanShape> shapes(double z) const = 0;
 
   /// K at each point [1/m]; NaN where the field does not reach or something solid stands.
   virtual void extinction(std::span<const Vec3> points, std::span<double> extinction) const = 0;
 
-  /// What K at each point is within [1/m], as far as the field's data are rounded; as extinction()
-  /// where they are not.
+  /// Bounds of K at each point [1/m], given the rounding of the field's data; without rounding,
+  /// both are extinction().
   virtual void extinctionBounds(std::span<const Vec3> points, std::span<double> low,
                                 std::span<double> high) const = 0;
 
@@ -134,9 +133,9 @@ class SightSnapshot {
   /// [m]; the field's lower border is one. NaN: there is none, as in a shaft or a void.
   virtual void floors(std::span<const Vec3> points, double drop, std::span<double> z) const = 0;
 
-  /// Optical depths are linear in the stored values. Snapshots of one field with the same
-  /// geometry() have the same weights: lines are worked out once and then summed at each time. 0:
-  /// this field has none.
+  /// A key of the weights of lines. Optical depths are linear in the stored values, so that
+  /// snapshots of one field with the same key share them: weights are computed once, then summed at
+  /// each time. 0: the field has no weights.
   virtual std::uint64_t geometry() const = 0;
 
   /// Appends the weights of a line; sets `covered` and `blocked` of the sight.
@@ -147,7 +146,7 @@ class SightSnapshot {
   virtual SightData data() const = 0;
 };
 
-/// A snapshot of a medium that knows no bounds, shapes or weights, unless it overrides them.
+/// A snapshot with defaults: no bounds, shapes or weights.
 class BasicSightSnapshot : public SightSnapshot {
  public:
   void bounds(std::span<const SightLine>, std::span<double> low,
@@ -223,10 +222,10 @@ struct ServedSource {
 /// A quantity at a point; NaN where it is not known.
 struct PointValue {
   double value = std::numeric_limits<double>::quiet_NaN();
-  /// What the air around the point is within: low <= value <= high.
+  /// Bounds of the value around the point: low <= value <= high.
   double low = value, high = value;
   StoredSpan span{};  ///< the stored times around it, of what served
-  /// Whether the bounds are of this very place: not what an instrument reads nearby.
+  /// Whether the bounds hold at the point itself; false: at an instrument nearby.
   bool ofPlace = true;
 };
 
@@ -241,21 +240,21 @@ class PointField {
   /// When it is stored [s], ascending, one at least.
   virtual std::span<const double> times() const = 0;
 
-  /// Its values at points, linear between stored times. NaN where and when it is not known
-  /// (storedPlace() says which times are), or something solid stands. Times ascend from call to
-  /// call, or cost a second reading.
+  /// Values at points, interpolated linearly between stored times; NaN in solids and where the
+  /// quantity is not stored, also before and after the stored times (storedPlace()). A time before
+  /// that of the last call is read again.
   [[nodiscard]] virtual Status at(double time, std::span<const Vec3> points,
                                   std::span<double> out) = 0;
 
-  /// The same, with what the values leave open and the stored times around `time`; those stay as
-  /// they are where nothing is known.
+  /// The same with bounds of the values and the stored times around `time`, which are left
+  /// unchanged where nothing is known.
   [[nodiscard]] virtual Status answer(double time, std::span<const Vec3> points,
                                       std::span<PointValue> out);
 
   /// Whether values leave nothing open: those of cells do not, means of the cells around nodes do.
   virtual bool isExact() const { return true; }
 
-  /// What it is put together from, best first.
+  /// Its sources, best first.
   virtual std::vector<ServedSource> sources() const;
 
  protected:
@@ -263,11 +262,11 @@ class PointField {
   [[nodiscard]] Status valuesOf(double time, std::span<const Vec3> points, std::span<double> out);
 };
 
-/// The best of several sources of a quantity at each place and time: of those that know it there
-/// and then, one whose stored times around are closest together, where it is by a factor of two;
-/// else the first. What this one leaves open is narrowed by the bounds of those whose times are as
-/// close together, and of the others at their stored times; where they contradict each other, the
-/// best one's stay. One source at least.
+/// The best of several sources of a quantity at each place and time: among those that have it
+/// there, the one with the shortest interval between stored times if it is at most half of the
+/// others', else the first. Its bounds are intersected with those of sources with intervals as
+/// short, and with the others' at their stored times; contradicting bounds are ignored. At least
+/// one source.
 class BestPoints final : public PointField {
  public:
   /// @param unread  sentences about further sources that could not be read.
@@ -308,7 +307,7 @@ struct FactCurve {
   std::vector<double> values;  ///< as many
 };
 
-/// What a report says about a case.
+/// Facts about a case, for reports.
 struct CaseFacts {
   std::vector<std::pair<std::string, std::string>> title;  ///< "FDS version", "FDS6.8.0" and so on
   std::vector<FactCurve> fire;                             ///< heat release rate
@@ -316,7 +315,7 @@ struct CaseFacts {
   std::vector<std::string> remarks;
 };
 
-/// A medium over time, as sight lines ask for it.
+/// A medium over time, for sight lines.
 ///
 /// bounds(), read() and readAt(), which surfaces of a scene change, are not virtual: they ask the
 /// medium and apply what wrap() was given. A field therefore needs no wrapper class, which could

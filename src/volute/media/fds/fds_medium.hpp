@@ -101,16 +101,15 @@ class FdsSnapshot final : public MediumSnapshot {
 class MediumKind;
 struct MediumContext;
 
-/// An FDS case in a scene: its smoke, fire and building at any time, and devices and slices where
-/// they are asked for. Holds two stored frames of each.
+/// An FDS case in a scene: smoke, fire and building at any time and, if requested, devices and
+/// slices. Keeps two stored frames of each in memory.
 class FdsMedium final : public SceneMedium, public ProbedMedium {
  public:
-  /// `description` says the case, the source (its field; empty: the best that fills meshes), a
-  /// scale, Km and the albedo; the case itself says what its files hold, so kInvalidArgument for
-  /// another quantity. Smoke scatters the light of the lamps that the building, as it is drawn, and
-  /// the scene's own surfaces let through, and the ambient one.
-  /// Of ranks that hold a share of the meshes each, see OpenOptions, kUnsupported for what needs
-  /// more than that: iso-surfaces, and fire where meshes of two shares overlap.
+  /// `description` gives the case, the source (its field; empty: the best that fills meshes), a
+  /// scale, Km and the albedo; the quantity is that of the files, so kInvalidArgument for another
+  /// one. Smoke scatters the light of the lamps that the building, as it is drawn, and the scene's
+  /// own surfaces let through, and the ambient one. If ranks hold a share of the meshes each (see
+  /// OpenOptions), iso-surfaces, and fire where meshes of two shares overlap, are kUnsupported.
   [[nodiscard]] static Result<std::shared_ptr<FdsMedium>> open(const FdsDescription& description,
                                                                const MediumContext& context,
                                                                Reading& reading);
@@ -126,15 +125,15 @@ class FdsMedium final : public SceneMedium, public ProbedMedium {
   Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest& request,
                                                    Progress& progress) override;
 
-  /// Of any of the case's sources, at its stored times, with what its bytes are rounded by. Files
-  /// that pictures are of are not opened again.
+  /// Any of the case's sources, at its stored times, with bounds from the rounding to bytes. Shares
+  /// files with the pictures.
   Result<std::unique_ptr<SightField>> sight(Reading& reading) override;
 
   /// All cases have a building, so never 0.
   std::uint64_t surfacesKey(const SnapshotRequest& request) const override;
 
-  /// All that is opaque: the building, the devices' marks, particles and the slice. Outer walls and
-  /// cuts open towards the eye.
+  /// All opaque surfaces: the building, the devices' marks, particles and the slice. Outer walls
+  /// and cuts open towards the eye.
   Status addSurfaces(const SnapshotRequest& request, TriangleMesh& to) const override;
 
   std::unique_ptr<FieldProbe> fieldProbe() const override;

@@ -71,8 +71,8 @@ class FogSceneMedium final : public SceneMedium, public ProbedMedium {
   /// fog without a top, in the origin.
   static bool readsTheSame(const FogDescription& a, const FogDescription& b);
 
-  /// This fog under a description, which readsTheSame() as its own, but for what its map was saved
-  /// as since, and other lamps: no map is read again. Not painted yet.
+  /// This fog with another description, for which readsTheSame() holds apart from the file its map
+  /// was saved to since, and other lamps. Reads no map again; not painted yet.
   std::shared_ptr<FogSceneMedium> with(const FogDescription& description,
                                        std::vector<Lamp> lamps) const;
 
@@ -89,8 +89,8 @@ class FogSceneMedium final : public SceneMedium, public ProbedMedium {
   /// The same as if there were clear air beyond its border: its coefficients are the map's.
   FogMedium mapAt(double time) const;
 
-  /// How a polar table of a fog of it is to be made for a camera; nothing where it is to be walked:
-  /// exactly, or since a table serves only degrees from 1 to 3 without suns.
+  /// Options of the polar table for a camera; nothing if cells are traversed instead: on request,
+  /// or because tables support only degrees 1 to 3 without suns.
   std::optional<PolarOptions> polarFor(const Camera& camera, const FogMedium& fog) const;
 
   /// What --frames calls a map, and when it is shown as it is, in the scene's time [s].
@@ -113,7 +113,7 @@ class FogSceneMedium final : public SceneMedium, public ProbedMedium {
   /// What was painted is in a file now.
   void savedAs(const std::string& map);
 
-  /// What was painted on another one of the same size stays.
+  /// Takes over the map painted on another fog of the same size.
   void keepPainted(const FogSceneMedium& other);
 
  private:

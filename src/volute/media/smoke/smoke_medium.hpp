@@ -104,7 +104,7 @@ class SmokeSnapshot final : public MediumSnapshot {
 
   const SceneLights& lights() const { return lighting_->lights; }
 
-  /// What the mesh's boundary reflects; nothing: it is not shown.
+  /// Reflectance of the mesh's boundary; nothing: it is not drawn.
   const std::optional<Rgb>& walls() const { return walls_; }
 
  private:
@@ -121,8 +121,8 @@ class SmokeSnapshot final : public MediumSnapshot {
 
 class MediumKind;
 
-/// A case of smoke on a mesh in a scene. Holds two steps of it at most, what its files say of them
-/// and what a description and lamps make of that.
+/// A case of smoke on a mesh in a scene. Keeps at most two frames of it in memory: the values of
+/// the files, and extinction and light computed from them.
 class SmokeMedium final : public SceneMedium, public ProbedMedium {
  public:
   /// Reads the first step.
@@ -164,7 +164,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
 
   const Box3& bounds() const { return bounds_; }
 
-  /// What rooms on fire hold [kg/m3]: 1e-6 to 1e-3. Outside of these a unit is doubted.
+  /// Rooms on fire hold 1e-6 to 1e-3 kg/m3 of soot. Outside of these limits the unit is doubted.
   static constexpr double kMuchSoot = 1e-2, kLittleSoot = 1e-6;
 
   /// Of the first step with smoke [1/m]; 0 before one was read.
@@ -211,7 +211,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
     std::shared_ptr<const MeshWalls> walls{};
   };
 
-  /// What is made of a step that was read.
+  /// Data computed from a frame.
   struct Step {
     std::shared_ptr<const Stored> stored;
     std::vector<float> extinction;

@@ -35,7 +35,7 @@ class VolumeSnapshot final : public MediumSnapshot {
   VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const BrickSlice> slice,
                  double framePosition, double factor);
 
-  /// The frame at a position of a tree. Its bricks are only made for who asks for them.
+  /// A frame of a tree; its bricks are built on demand.
   VolumeSnapshot(const VolumeMedium& of, std::shared_ptr<const Tree4d> tree, int position,
                  double factor);
 
@@ -50,7 +50,7 @@ class VolumeSnapshot final : public MediumSnapshot {
   /// Of what it emits, unless its appearance says that it lights nothing.
   std::vector<Lamp> lightSources() const override;
 
-  /// Lamps that belong to the picture of it, not to what it holds.
+  /// Lamps for its own appearance only.
   void setLamps(std::vector<Lamp> lamps) { lamps_ = std::move(lamps); }
 
   /// The snapshot in another light, where it scatters any.
@@ -117,7 +117,7 @@ ShadedVoxels seenFrom(const VolumeLight& light, const Camera& camera);
 /// A volume file in a scene. Copies share what was read.
 class VolumeMedium : public SceneMedium, public ProbedMedium {
  public:
-  /// @param frame  what is kept of a single frame that was looked at before; null: nothing
+  /// @param frame  cached data of a single frame; null: none
   [[nodiscard]] static Result<std::shared_ptr<VolumeMedium>> open(
       const std::string& path, const InputOptions& options, const Appearance& appearance,
       Reading& reading, std::shared_ptr<LoneFrame> frame = {});
@@ -162,12 +162,11 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// The frame at a frame position as bricks. The last one is kept.
   [[nodiscard]] Result<std::shared_ptr<const BrickSlice>> sliceAt(double framePosition);
 
-  /// The position of the frame that is shown at a time of the scene [s] and, where it is asked to
-  /// be interpolated, the share of the way to the next one that has gone by: 2.25 is a quarter from
-  /// the third to the fourth.
+  /// The position of the frame shown at a time of the scene [s], with interpolation a fraction:
+  /// 2.25 is a quarter of the way from the third frame to the fourth.
   double framePositionAt(double time) const;
 
-  /// When a frame begins in the scene's time [s], and what the file calls it.
+  /// The start of a frame in the scene's time [s], and its number in the file.
   double timeOf(int position) const;
 
   int numberOf(int position) const { return volume_.frameNumbers[position]; }
@@ -186,7 +185,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// What shines at it; in the scene's place.
   void setLighting(VolumeLighting lighting) { lighting_ = std::move(lighting); }
 
-  /// One of the same file in another appearance; what was read serves.
+  /// The same file with another appearance, reusing the data read so far.
   std::shared_ptr<VolumeMedium> with(const Appearance& appearance) const;
 
  protected:
@@ -202,9 +201,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
 
   MediumInfo describe() const;
 
-  /// It looks otherwise from now on, or is elsewhere, or at another time: nothing is read again for
-  /// that. A frame that is held is made again only where the scale is another; else bounds stay
-  /// what they are, and placement_ moves.
+  /// Changes appearance, placement or clock without reading again. Only another scale rebuilds the
+  /// frame in memory; else bounds stay, and placement_ changes.
   void setAppearance(const Appearance& appearance);
 
   // ---- where it is
@@ -214,8 +212,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
 
   /// The same with its up axis upwards, as the placement finds it [m].
   Box3 uprightBounds() const;
-  /// What it takes in the scene in any frame [m]; where that is much more than what nearly all of
-  /// it is in, the latter.
+  /// Bounds over all frames in the scene [m]; without far outliers, if these are much larger than
+  /// the bounds of nearly all of the volume.
   Box3 boundsInScene() const;
   Mat3 upright() const;
   /// From the own space of a file that has places to its world. Between frames the grid turns and
@@ -224,7 +222,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   /// From the file's space to the scene's, at a frame position.
   Placement placeAt(double framePosition) const;
   Placement placed(const Appearance& appearance) const;
-  /// Looks for what holds nearly all where something may be far away from it.
+  /// Finds the bounds of nearly all of the volume if there may be far outliers.
   [[nodiscard]] Status findContent(Progress& progress);
   int positionAt(double time) const;
 
