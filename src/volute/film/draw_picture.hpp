@@ -13,7 +13,7 @@
 
 namespace volute {
 
-/// What a picture shows, and how. What is left open is as `volute render` has it.
+/// The content and the style of a picture. Defaults are those of `volute render`.
 struct PictureOptions {
   std::optional<double> time{};               ///< [s]; else one that has something to see
   std::optional<CameraDescription> camera{};  ///< else the scene's, else one that frames it

@@ -22,7 +22,7 @@ namespace volute {
 /// What takes the place of a picture's mode where a contour is drawn.
 std::string modeOf(const Contour& contour);
 
-/// Milliseconds of each stage, which may run at once, and what was looked at, over all pictures.
+/// Milliseconds of each stage, which may overlap, and counts of work, over all pictures.
 struct FilmTotals {
   double open = 0, snapshots = 0, render = 0;
   double convert = 0, write = 0;  ///< the latter with the former
@@ -75,13 +75,13 @@ struct FilmJob {
   /// kCancelled.
   [[nodiscard]] Result<Image> picture(const FilmFrame& frame, Progress& progress);
 
-  /// The two halves of picture() without a shutter: what is at a frame's time, and how it looks.
-  /// The second does not use the scene.
+  /// The two stages of picture() without a shutter: the snapshot of a frame, and its picture. The
+  /// second does not use the scene.
   [[nodiscard]] Result<SceneSnapshot> snapshotAt(const FilmFrame& frame, Progress& progress);
   [[nodiscard]] Result<Image> drawn(const SceneSnapshot& snapshot, const FilmFrame& frame,
                                     Progress& progress);
 
-  /// What the picture of a frame says about itself; the legend only where it is asked for.
+  /// Text about the picture of a frame; a legend only if requested.
   PictureText textOf(const FilmFrame& frame) const;
 
   /// What was done so far, and with what.

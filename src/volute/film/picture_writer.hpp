@@ -43,7 +43,7 @@ struct PictureText {
   std::vector<PictureMark> marks{};  ///< drawn with the legend
 };
 
-/// What is shown of a linear picture: linear light that toSrgb8() turns into bytes.
+/// A linear picture with its tone curve applied: linear light for toSrgb8().
 Image developed(const Image& image, const Development& development, const PictureText& text);
 
 /// Where pictures go, in order; nothing appears before it is whole. Pictures are linear RGB, or one

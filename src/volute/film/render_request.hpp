@@ -10,8 +10,8 @@
 
 namespace volute {
 
-/// What a picture or a film is to show, and how. The defaults are those of `volute render`, for
-/// every caller: what this makes of one scene is the same picture everywhere.
+/// The content and the style of a picture or a film. Defaults are those of `volute render` for
+/// every caller: the same request gives the same picture everywhere.
 struct RenderRequest {
   FrameRequest frames{};
   std::optional<CameraDescription> camera{};  ///< else the scene's, else one that frames it

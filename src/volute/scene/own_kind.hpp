@@ -13,8 +13,8 @@ struct volute_medium_kind;
 
 namespace volute {
 
-/// What a medium of a user's own kind could not do, thrown through what looks through it: its
-/// answers come in batches that have no room for errors.
+/// An error of a medium of a user's own kind. It is an exception because queries of a batch of rays
+/// have no error results.
 class OwnMediumFault : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

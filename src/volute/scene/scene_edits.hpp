@@ -39,8 +39,8 @@ struct SceneEdit {
   CameraDescription camera{};
 };
 
-/// Does it in a scene's JSON. Says in a sentence what was done; kInvalidArgument for a path that
-/// has nothing of the kind, and for a light without a place that is to be placed.
+/// Applies an edit to a scene's JSON. Returns a sentence about it; kInvalidArgument if `path` has
+/// no object of that kind, and for placing a light without a position.
 [[nodiscard]] Result<std::string> applyEdit(nlohmann::ordered_json& json, const SceneEdit& edit);
 
 }  // namespace volute

@@ -25,7 +25,7 @@ struct MediumEntry {
   KeptJson<nlohmann::json> json;  ///< what is there
 };
 
-/// What a scene file says, but for what its media make of their entries.
+/// The content of a scene file, with the entries of media as JSON.
 struct SceneDescription {
   int version = kSceneVersion;  ///< of the format
   std::optional<CameraDescription> camera;

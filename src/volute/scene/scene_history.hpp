@@ -10,11 +10,11 @@
 
 namespace volute {
 
-/// What a scene was before its last changes, and what it was before they were undone.
+/// The undo and redo stacks of a scene.
 class SceneHistory {
  public:
-  /// The scene has been changed from `before`. Changes in a row that have the same name, which is
-  /// not empty, count as one: a slider that is drawn.
+  /// Records a change from `before`. Consecutive changes with the same non-empty name, as of a
+  /// dragged slider, are one.
   void note(nlohmann::ordered_json before, const std::string& name) {
     future_.clear();
     if (name.empty() || name != last_ || past_.empty())
@@ -34,7 +34,7 @@ class SceneHistory {
   /// Likewise; canRedo().
   const nlohmann::ordered_json& after() const { return future_.back(); }
 
-  /// It has become before(); `now` is what it was.
+  /// The last change was undone: the scene is before(); it was `now`.
   void undone(nlohmann::ordered_json now) {
     past_.pop_back();
     future_.push_back(std::move(now));
