@@ -38,7 +38,7 @@ struct FrameSpan {
 void fillFrames(std::span<float> values, const BlockShape& shape, FrameSpan wanted,
                 std::span<const float> ofChannels);
 
-/// What a voxel of a block is beside its value.
+/// The state of a voxel of a block.
 enum class VoxelState : std::uint8_t {
   kEmpty,   ///< the background, or in a tile
   kActive,  ///< as the source says
@@ -88,13 +88,13 @@ class BlockDecoder {
                                       FrameSpan wanted = {},
                                       std::span<const float> means = {}) const = 0;
 
-  /// Whether blocks say what their voxels are.
+  /// Whether blocks store the states of their voxels.
   virtual bool hasTopology() const = 0;
 
-  /// What is added to all values, of tiles too: they are differences from it.
+  /// The offset of all values, also of tiles: stored values are differences from it.
   virtual double offset() const = 0;
 
-  /// What voxels are that no block says anything of.
+  /// The value of voxels that no block stores.
   virtual std::array<float, 3> background() const = 0;
 
   /// How the block is coded, in a few words: "empty", "shaped cdf53, 4 time levels".

@@ -46,7 +46,7 @@ struct TilePage {
   int firstRow = 0;  ///< up to that of the next
 };
 
-/// What an INDX chunk of codec 3 says.
+/// The content of an INDX chunk of codec 3.
 struct PageTable {
   std::vector<TilePage> tiles{};
   std::vector<IndexPage> pages{};  ///< ascending
@@ -76,7 +76,7 @@ struct TierPlace {
   std::uint64_t begin = 0, bytes = 0;
 };
 
-/// Takes any bytes; an error is what is wrong, and wants a subject.
+/// Accepts any bytes; the message of an error lacks the name of the file.
 /// @param content  of the chunk
 /// @param begin    of the grid's pages
 /// @param places   of its tiers; none: they follow one another from the last page on
@@ -98,7 +98,7 @@ struct TierPlace {
 /// The bytes of a segment of codec 3 from those of its values.
 void appendChecksum(std::vector<std::byte>& values);
 
-/// Whether a segment of codec 3 is what was written.
+/// Whether the checksum of a segment of codec 3 is right.
 bool isIntact(std::span<const std::byte> segment);
 
 }  // namespace volute

@@ -23,9 +23,9 @@ namespace volute {
 /// The target of a compression.
 struct ErrorTarget {
   enum class Kind {
-    /// RMS over the support / its range <= value. The support is what the source has active or not
-    /// equal to its background; its range is that of all frames, without the few values
-    /// apart that ValueHistogram::robustRange() leaves out.
+    /// RMS over the support / its range <= value. The support is the set of voxels that are active
+    /// in the source or differ from its background; its range is that of all frames, without the
+    /// few values apart that ValueHistogram::robustRange() leaves out.
     kRms,
     kRmsOverAll,  ///< RMS over all voxels and channels / (max - min of the whole original) <= value
     kPsnr,        ///< [dB]; relative RMS over all voxels <= 10^(-value / 20)
@@ -57,8 +57,8 @@ inline constexpr std::array<QualityWord, 3> kQualityWords{
      {"look", {ErrorTarget::Kind::kLook, ErrorTarget::kLookRms}},
      {"measure", {ErrorTarget::Kind::kRms, 1e-4}}}};
 
-/// What is read most, which says how many frames a block has: kFrame, single frames (4); kFilm, all
-/// of them in order (16). kAny: as few as cost next to nothing.
+/// The usual access, which determines the frames per block: kFrame, single frames (4); kFilm, all
+/// frames in order (16). kAny: as few as cost almost no bytes.
 enum class Access { kAny, kFrame, kFilm };
 
 struct CompressOptions {

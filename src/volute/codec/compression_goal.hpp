@@ -15,7 +15,7 @@ namespace volute {
 /// "support-rms", "look", "rms", "psnr", "ratio", "size", "max-error".
 std::string_view nameOf(ErrorTarget::Kind kind);
 
-/// What is asked of a compression, and the quantisation steps that should give it.
+/// The target of a compression, and the quantisation steps expected to reach it.
 class CompressionGoal {
  public:
   CompressionGoal(const ErrorTarget& target, const VolumeInfo& info)

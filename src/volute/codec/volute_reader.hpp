@@ -113,7 +113,7 @@ class VoluteReader {
   const VolumeInfo& info() const;
   const VoluteHeader& header() const;
 
-  /// What is to be added to values that are read: VoluteHeader::offset with Options::differences.
+  /// The offset to add to the values read: VoluteHeader::offset with Options::differences, else 0.
   double offset() const;
 
   const BlockGrid& blocks() const;
@@ -137,7 +137,7 @@ class VoluteReader {
   /// Checks every segment of the grid.
   Integrity verify() const;
 
-  /// Adds what of the kept grids is present and intact.
+  /// Adds the intact parts of the kept grids.
   void verifyKept(Integrity& integrity) const;
 
   /// The same; kCancelled if `progress` requests it.
@@ -163,15 +163,15 @@ class VoluteReader {
   /// Row `row` of blocks: their frames, shape (t, z, y, x, c).
   [[nodiscard]] Status readRow(int row, std::span<float> values, int levels = 99) const;
 
-  /// What is in the frames first <= frame < end of one row of blocks, with its topology. Decodes
-  /// the blocks that hold something, in parallel.
+  /// The frames first <= frame < end of one row of blocks, with their topology. Decodes the blocks
+  /// that are not empty, in parallel.
   /// @param bricks  one for each frame
   [[nodiscard]] Status readBricks(int first, int end, std::span<Bricks> bricks) const;
 
   /// Bytes that the bricks of a row take, at most.
   std::uint64_t brickBytes(int row) const;
 
-  /// What voxels hold that the file says nothing of; of each channel.
+  /// The background: the value of voxels that the file does not store, per channel.
   std::array<float, 3> background() const;
 
   /// Whether the file keeps topology: which voxels are active, tiles and the background.

@@ -84,11 +84,11 @@ class BrickSlice {
   /// All bricks that are not empty, in the order of isBefore().
   std::span<const Entry> entries() const { return entries_; }
 
-  /// Stored bricks from this one on are of one value each, and may be in many places.
+  /// Stored bricks from this index on have one constant value each and may occur at many places.
   std::int32_t firstUniform() const { return firstUniform_; }
 
-  /// Which stored brick is at brick coordinate (bx, by, bz), from -1 to one beyond the last on each
-  /// axis; kEmpty when all its voxels are zero.
+  /// The index of the stored brick at brick coordinates (bx, by, bz), from -1 to one beyond the
+  /// last on each axis; kEmpty if all its voxels are zero.
   std::int32_t brickAt(int bx, int by, int bz) const { return table_.at(bx, by, bz); }
 
   std::span<const float> values() const { return values_; }
@@ -101,7 +101,8 @@ class BrickSlice {
     return values_.data() + static_cast<std::size_t>(stored) * kVoxels * channels_;
   }
 
-  /// Which voxel of all stored ones, 512 a brick, is (vx, vy, vz), which is in a stored brick.
+  /// The index of voxel (vx, vy, vz), which must be in a stored brick, among all stored voxels, 512
+  /// per brick.
   std::size_t placeOf(int vx, int vy, int vz) const;
 
   /// Any voxel; 0 in empty bricks and outside the volume.
@@ -114,8 +115,8 @@ class BrickSlice {
   /// first ones do; where those are of an odd number the last reach beyond them.
   BrickSlice halved(int channel) const;
 
-  /// The bricks of cells, of so many, into which a stored brick reaches where a cell is between
-  /// voxels: its own place, and those behind it. In the order of isBefore(); `table` numbers them.
+  /// The bricks of cells between voxel centres that a stored brick contributes to: its own place
+  /// and the next ones along each axis. In the order of isBefore(); `table` numbers them.
   std::vector<BrickPlace> reached(const BrickPlace& count, BrickTable& table) const;
 
   /// Takes bricks away in which all is zero.

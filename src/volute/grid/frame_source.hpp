@@ -46,8 +46,8 @@ class FrameSource {
     return {};
   }
 
-  /// What is in a frame, with its topology, in the order of Bricks::sort(). Of a source without
-  /// topology: the voxels that are not 0, as active ones.
+  /// The voxels of a frame with its topology, in the order of Bricks::sort(). Without topology in
+  /// the source, voxels other than 0 are active.
   [[nodiscard]] Status readBricks(int index, Bricks& bricks) {
     return readBricks(index, 0, info().z, bricks);
   }
@@ -55,7 +55,7 @@ class FrameSource {
   /// The same of the layers first <= z < end; bricks across their border are whole.
   [[nodiscard]] virtual Status readBricks(int index, int first, int end, Bricks& bricks);
 
-  /// Whether readBricks() gives a topology that the source states, and not what its values suggest.
+  /// Whether readBricks() gives the source's own topology, not one derived from values.
   virtual bool hasTopology() const { return false; }
 
   /// Bytes that the bricks of a frame take, as far as it is known: at most those of all voxels.

@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// One entry of what a file of another program says of itself or of a grid.
+/// One entry of the metadata of a file of another program, or of a grid in it.
 struct GridMetadata {
   std::string name;
   std::string type;   ///< as OpenVDB calls it: "string", "float", "vec3i", ...
@@ -44,8 +44,8 @@ struct FrameMetadata {
 /// the voxel along its own axis.
 inline constexpr const char* kStaggered = "staggered";
 
-/// What a cache says of one of its grids beside the values, so that it can be given back as it was.
-/// Axes are in the order x, y, z.
+/// The metadata of a grid of a cache, so that it can be restored exactly. Axes are in the order x,
+/// y, z.
 struct GridDescription {
   using Index = std::array<std::int64_t, 3>;
 

@@ -47,7 +47,7 @@ Box3 aroundPlaces(const Box3& box, std::span<const GridMatrix> places);
 bool samePlaces(std::span<const GridMatrix> a, std::span<const GridMatrix> b, const Box3& box,
                 double voxel);
 
-/// Frames whose source says where they lie, as VolumeInfo::bounds alone does not.
+/// Frames with a placement of each by the source, beyond VolumeInfo::bounds.
 class PlacedFrames {
  public:
   virtual ~PlacedFrames() = default;

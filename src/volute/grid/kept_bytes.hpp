@@ -10,8 +10,7 @@
 
 namespace volute {
 
-/// A grid of one frame as bytes that nobody decodes: a whole OpenVDB file with this grid alone, in
-/// parts.
+/// A grid of one frame as opaque bytes: a whole OpenVDB file with this grid alone, in parts.
 class KeptBytes {
  public:
   /// Size of each part but the last [bytes].

@@ -9,8 +9,8 @@
 
 namespace volute {
 
-/// What a look that nobody has chosen goes by: how large and how dense the values of one channel
-/// are.
+/// Statistics for the automatic choice of an appearance: how large and how dense the values of one
+/// channel are.
 struct LookFigures {
   double least = 0, most = 0;  ///< of some frames, and of 0
   /// Integral along z of a dense column, of positive values [value x m], the largest of these

@@ -11,8 +11,8 @@ namespace volute {
 
 struct GridMetadata;
 
-/// What a grid says of its vectors: how they change when the grid is moved, turned or scaled, and
-/// in which space they are. The words are OpenVDB's ("vector_type", "is_local_space").
+/// The kind of a grid's vectors: how they change when the grid is moved, turned or scaled, and in
+/// which space they are. The words are OpenVDB's ("vector_type", "is_local_space").
 struct VectorKind {
   enum class Type : char {
     kUnstated,               ///< taken as kContravariantRelative, as programs leave it out
@@ -29,7 +29,7 @@ struct VectorKind {
   bool operator==(const VectorKind&) const = default;
 };
 
-/// Frames whose source says what their vectors are, where they have three channels.
+/// Frames of three channels whose source states the kind of their vectors.
 class VectorFrames {
  public:
   virtual ~VectorFrames() = default;

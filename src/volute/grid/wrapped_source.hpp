@@ -9,7 +9,7 @@
 
 namespace volute {
 
-/// What another source gives; what a class changes of it, it overrides.
+/// Forwards to another source; derived classes override what they change.
 class WrappedSource : public RoundingSource {
  public:
   explicit WrappedSource(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
