@@ -12,7 +12,7 @@
 
 namespace volute {
 
-/// What is added to a camera's calibration, and to the logarithms of its gain and its exponent.
+/// Corrections of a camera's calibration, and of the logarithms of its gain and its exponent.
 struct CameraCorrection {
   static constexpr int kCount = 12;
 

@@ -12,7 +12,7 @@
 
 namespace volute {
 
-/// What the consistency of the views says about one camera.
+/// The consistency of one camera with the other views.
 struct CameraDiagnosis {
   double residual = 0;       ///< relative L2 of S a - (p - b), without what noise explains
   double explained = 0;      ///< of the residual, what the size of the voxels does, ViewMatch::fine

@@ -42,7 +42,7 @@ struct FitSetup {
   std::span<const float> expected{};  ///< unknowns to pull towards; empty: none
 };
 
-/// What a voxel may have [radiance/m]: the largest entry of S' W^2 (p - b) over the largest
+/// A typical value of a voxel [radiance/m]: the largest entry of S' W^2 (p - b) over the largest
 /// eigenvalue. Total variation is proportional to the light, least squares to its square: strengths
 /// count in it.
 double typicalValue(const LeastSquares& data, double largest);

@@ -21,7 +21,7 @@ struct FrameProblem {
   double variance = 0;  ///< what pixelVariance() says of a pixel with a weight of 1
 };
 
-/// What is wrong with the views, the geometry or the options; see reconstruct().
+/// Validates the views, the geometry and the options; see reconstruct().
 [[nodiscard]] Status checkReconstruction(std::span<const TomographyView> views,
                                          const VolumeGeometry& geometry,
                                          const TomographyOptions& options);

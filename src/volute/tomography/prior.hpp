@@ -11,8 +11,8 @@
 
 namespace volute {
 
-/// What is known about volumes before any is measured: R(a) of min 1/2 |S a - p|^2 + R(a), and the
-/// constraint a >= 0. Vectors hold four floats for each unknown.
+/// A prior: R(a) of min 1/2 |S a - p|^2 + R(a), and the constraint a >= 0. Vectors hold four floats
+/// for each unknown.
 class Prior {
  public:
   virtual ~Prior() = default;

@@ -23,7 +23,7 @@ struct PixelRow {
   std::int32_t pixel;  ///< y * width + x
 };
 
-/// What of a camera's image takes part: its pixels that are not 0 in `mask`; all when it is empty.
+/// The pixels of a camera that take part: those not 0 in `mask`; all if it is empty.
 struct ProjectorView {
   const Camera* camera = nullptr;
   std::span<const std::uint8_t> mask{};

@@ -44,7 +44,7 @@ class Pyrometer {
   Soot uncertainty(const Rgb& emission, const Soot& soot, const Rgb& relative,
                    double correlation) const;
 
-  /// What a metre takes of each channel's light [1/m].
+  /// The absorption coefficient of each channel [1/m].
   Rgb extinctionOf(const Soot& soot) const;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace volute {
 
-/// What a line of sight sees of a field, and how that changes with the line: for a line o + t d
+/// The line integral of a field, and its derivative with respect to the line: for a line o + t d
 /// with d of length 1, the derivative along changes o', d' is alongOrigin . o' + alongDirection .
 /// d'.
 struct SightSlope {

@@ -11,7 +11,7 @@
 
 namespace volute {
 
-/// What a solver tells after each iteration; it stops when the answer is false.
+/// Called by a solver after each iteration; false stops it.
 /// @param projected  S a.
 using SolverWatch = std::function<bool(int iteration, std::span<const float> unknowns,
                                        std::span<const float> projected)>;

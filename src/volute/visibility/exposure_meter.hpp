@@ -55,7 +55,7 @@ class AirField {
   /// The stored times around another one, of each quantity.
   using Spans = std::array<StoredSpan, kAirQuantities>;
 
-  /// What the air around a point may be like.
+  /// Bounds of the air's quantities around a point.
   struct Around {
     Exposure worst = unknown(), least = unknown();  ///< of all quantities at once
     Spans spans{};                                  ///< from which times each value comes
@@ -64,7 +64,7 @@ class AirField {
   /// An exposure of which nothing is known: all NaN.
   static Exposure unknown();
 
-  /// Whether values of what a criterion takes in leave nothing open.
+  /// Whether the quantities of a criterion have no uncertainty.
   bool isExact(const Criterion& criterion) const;
 
   /// The air at points. Quantities that are not stored there and then are NaN; those that the case
@@ -88,10 +88,10 @@ inline double mixed(double one, double other, double share) {
   return share <= 0 ? one : share >= 1 ? other : (1 - share) * one + share * other;
 }
 
-/// What people take in, who stay or move: doses that grow, levels, and when each reaches its limit.
-/// Between two times at which the air is known, rates of dose are linear. While it is not known a
-/// dose does not grow, and is a lower bound from then on; so it is where something that a law takes
-/// in besides what it needs is stored, but not there and then.
+/// The exposure of people who stay or move: cumulative doses, levels, and the time when each
+/// reaches its limit. Between two times at which the air is known, rates of dose are linear. While
+/// it is not known a dose does not grow, and is a lower bound from then on; so it is where
+/// something that a law takes in besides what it needs is stored, but not there and then.
 class ExposureMeter {
  public:
   /// Criteria that the air cannot answer are left out; missing() names them.
@@ -113,7 +113,7 @@ class ExposureMeter {
 
   const std::vector<Missing>& missing() const { return missing_; }
 
-  /// What a criterion takes in but the case does not store: counted as in clean air.
+  /// Quantities of a criterion that the case does not store: taken as in clean air.
   std::vector<Air> assumed(std::size_t criterion) const;
 
   const AirField& air() const { return air_; }

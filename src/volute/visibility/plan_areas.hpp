@@ -52,7 +52,7 @@ struct PlanAreas {
 [[nodiscard]] Result<PlanAreas> planAreas(const Survey& survey, const SightSnapshot& first,
                                           std::span<const Vec3> eyes, Progress& progress);
 
-/// What is left after the time that people need, at each place of a plan [s].
+/// Safety margins at the places of a plan: available minus required safe egress time [s].
 struct PlanMargins {
   std::vector<double> rset;    ///< NaN: nobody is there
   std::vector<double> margin;  ///< infinite: no criterion is reached; NaN: not known, or nobody

@@ -17,7 +17,7 @@
 
 namespace volute {
 
-/// What a point of a plan shows. Each has a look of its own, in grey or hatched, so that it is no
+/// The kind of a point of a plan. Each has a style of its own, in grey or hatched, so that it is no
 /// value's colour and no two are alike to the colour-blind.
 enum class PlanMark : unsigned char {
   kValue,    ///< its value's colour
@@ -29,7 +29,7 @@ enum class PlanMark : unsigned char {
   kUnknown,  ///< no data: grey lines both ways on white
 };
 
-/// Of a plan of which nothing is known yet: solid where it is, else kUnknown.
+/// The initial map of a plan: kSolid in solids, else kUnknown.
 std::vector<PlanMark> emptyMarks(const FloorPlan& plan);
 
 /// What the legend says of marks on every map.

@@ -10,7 +10,7 @@
 
 namespace volute {
 
-/// What the points of a plan are for. Verdicts are of points where people are.
+/// The use of the points of a plan. Verdicts are given for points where people are.
 struct PlanUse {
   enum class Kind : unsigned char {
     kPeople,  ///< there is a floor below, and head room

@@ -19,7 +19,7 @@ class Rset {
   /// One required time for everybody [s].
   explicit Rset(double seconds) : what_(seconds) {}
 
-  /// Until somebody comes by for the last time.
+  /// The required time of a point is the last time at which people pass it.
   explicit Rset(Trajectories people) : what_(std::move(people)) {}
 
   /// A map: lines x,y,rset [m, m, s] or with a line of names (z too, and other units), a table

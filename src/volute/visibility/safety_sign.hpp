@@ -52,7 +52,7 @@ enum class Seen : unsigned char {
 
 std::string_view nameOf(Seen seen);  ///< "no", "yes", "cannot tell"
 
-/// What an eye makes of a sign at one time. A survey holds one of each eye and sign.
+/// The visibility of a sign from an eye at one time. A survey holds one of each eye and sign.
 struct Sighting {
   double depth = 0, low = 0, high = 0;  ///< see Sight; NaN, the known part, infinity if not covered
   double distance = 0;                  ///< [m]

@@ -11,7 +11,7 @@
 #include "volute/report/json.hpp"
 #include "volute/visibility/verdict.hpp"
 
-// How a verdict depends on what is not known well.
+// Sensitivity of a verdict to uncertain inputs.
 
 namespace volute {
 
@@ -31,7 +31,7 @@ struct Variation {
 /// before the next stored time came within 2 % of the limit at stored times (measured).
 std::span<const Variation> variations();
 
-/// What is uncertain, and the two ends of it.
+/// An uncertain input with its two limits.
 struct Uncertainty {
   std::string name, first, second;  ///< "C of the signs", "33 % lower", "33 % higher"
   FirstLoss atFirst, atSecond;

@@ -10,7 +10,7 @@
 #include "volute/report/json.hpp"
 #include "volute/visibility/loss.hpp"
 
-// What a report says first.
+// The verdict at the top of a report.
 
 namespace volute {
 

@@ -111,7 +111,7 @@ class Watch {
  public:
   virtual ~Watch() = default;
 
-  /// With the first time's smoke. Complains about eyes from which nobody can look.
+  /// Called once with the first snapshot. An error or a remark if no eye can see from where it is.
   [[nodiscard]] virtual Status begin(const Survey& survey, const SightSnapshot& first,
                                      Progress& progress) = 0;
 
@@ -157,7 +157,7 @@ class Watch {
 /// All points of a floor plan at a height: maps, and when signs are lost.
 std::unique_ptr<Watch> planWatch();
 
-/// When somebody sets out who waits where a route begins.
+/// The start of a walk along a route.
 struct WalkStart {
   double time = 0;     ///< [s]
   double smoke = 0;    ///< [1/m]; not 0: when the extinction there reaches it, instead of `time`
