@@ -28,14 +28,14 @@ struct LoaderState {
   std::vector<double> decoded{};  ///< times whose snapshots are kept, ascending [s]
 };
 
-/// What it has loaded.
+/// A loaded snapshot.
 struct LoadedScene {
   std::shared_ptr<const ViewScene> scene;
   double time = 0;
   bool coarse = false;
 };
 
-/// What the fields are at a place of a time [s].
+/// The values of all fields at a point and time [s].
 struct LoadedFields {
   Vec3 place = Vec3::Zero();
   double time = 0;

@@ -12,7 +12,7 @@
 
 namespace volute {
 
-/// What the media are where a ray meets something.
+/// The values of the media where a ray meets a medium or a surface.
 class MediumProbe {
  public:
   struct Medium {

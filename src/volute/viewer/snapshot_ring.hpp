@@ -13,8 +13,8 @@
 
 namespace volute {
 
-/// Snapshots that were loaded, for when they are wanted again, within a limit of memory: what a
-/// player has ahead, and what it has shown. One thread at a time calls it.
+/// A cache of loaded snapshots with a memory limit: those ahead of the time that is played, and
+/// those shown before. Not thread-safe.
 class SnapshotRing {
  public:
   using Held = std::shared_ptr<const ViewScene>;
@@ -32,7 +32,7 @@ class SnapshotRing {
   /// The first of `ahead` that is not there and that there is room for; nothing: none.
   std::optional<double> missing(std::span<const double> ahead) const;
 
-  /// Whose snapshots are there, ascending [s].
+  /// The times of the snapshots, ascending [s].
   std::vector<double> times() const;
 
   /// @returns all that was there

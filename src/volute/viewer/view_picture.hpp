@@ -45,7 +45,7 @@ struct PictureRequest {
   ViewRenderer renderer = ViewRenderer::kAuto;
   bool surfaces = true;  ///< opaque things are shown, signs and screens in any case
   bool moving = false;   ///< it changes soon: quick is better than fine
-  /// What the CPU may take for a picture that is wanted quickly [s].
+  /// The CPU's time limit for a quick picture [s].
   double budget = 0.1;
   bool single = false;  ///< it is wanted as fine as it gets, nothing before that
   /// After how much rest OpenGL begins to draw surfaces pixel by pixel [s].

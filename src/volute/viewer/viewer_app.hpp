@@ -89,7 +89,7 @@ class ViewerApp {
   /// Whether a frame of this input, after so many seconds, would show anything new.
   bool due(const ViewerInput& input);
 
-  /// How soon to ask whether another frame is due if nobody does anything [s].
+  /// Time until the next frame without user input [s].
   double patience() const;
 
  private:
