@@ -117,17 +117,19 @@ class HostileReader final : public LatticeReader {
       flood();
     const auto attempt = attempts().find(grid.substr(0, cut));
     if (attempt == attempts().end())
-      return fail(ErrorCode::kUnsupported, "no such attempt");
+      return fail(ErrorCode::kUnsupported, "{}: no such attempt", file.string());
     errno = 0;
     const long done = attempt->second(argument == "FILE" ? file.c_str() : argument.c_str());
+    const int reason = errno;
     if (done >= 0)
-      return fail(ErrorCode::kIo, "{} worked", grid);
-    return fail(ErrorCode::kIo, "{} was refused: {}", grid, std::strerror(errno));
+      return fail(ErrorCode::kIo, "{}: {} worked", file.string(), grid);
+    return fail(ErrorCode::kIo, "{}: {} was refused: {}", file.string(), grid,
+                std::strerror(reason));
   }
 
-  Status read(const std::filesystem::path&, const std::string&, const IndexBox&, const IndexBox&,
-              bool, std::span<float>, double&) override {
-    return fail(ErrorCode::kUnsupported, "nothing to read");
+  Status read(const std::filesystem::path& file, const std::string&, const IndexBox&,
+              const IndexBox&, bool, std::span<float>, double&) override {
+    return fail(ErrorCode::kUnsupported, "{}: nothing to read", file.string());
   }
 
  private:
