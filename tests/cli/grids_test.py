@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Caches of several grids through the program and back: tests/data/cache.volute has six of three frames, one of them empty and one not there at first."""
+import json
 import math
 import os
 import pathlib
@@ -688,6 +689,23 @@ class Grids(support.TestCase):
         frame = folder / "c_0101.vdb"
         frame.write_bytes(frame.read_bytes()[:-200])
         self.assertIn("c_0101.vdb", self.fails(1, "info", folder))
+
+    def test_a_level_set_stands_as_its_smoke_does(self):
+        """As geometry and as a volume, where a program with y upwards wrote it."""
+        source = VdbFile(self.unpack() / "c_0101.vdb")
+        entries = 8 + 4 + 8 + 1 + 36
+        (count,) = struct.unpack_from("<I", source.head, entries)
+        source.head = source.head[:entries] + struct.pack("<I", count + 1) + b"".join(map(counted, (b"creator", b"string", b"Houdini"))) + source.head[entries + 4:]
+        source.write(self.path("solid.vdb"), [(b"solid", b"solid")])
+        scene = {"format": "volute-scene-2", "background": [1, 0, 0], "media": [], "geometry": [{"file": "solid.vdb"}]}
+        def says(up):
+            scene["geometry"][0]["up"] = up
+            self.path("scene.json").write_text(json.dumps(scene))
+            return self.works("render", self.path("scene.json"), "-o", self.path(f"{up}.exr"), "--size", "24x24", "--eye", "9,0,0", "--target", "0,0,0", "--fov", "60").message
+        self.assertIn("its y is turned upwards", says("format"))
+        self.assertNotIn("its y is turned", says("z") + says("y"))
+        for up, same in (("y", True), ("z", False)):
+            self.assertEqual(self.works("compare", self.path("format.exr"), self.path(f"{up}.exr"), "--json").json["rms"] == 0, same)
 
     def test_components_on_faces_are_told_where_they_do_not_stay_there(self):
         level = ("extract", CACHE, "-o", self.path("l_%04d.vdb"), "--level", "1", "--field")

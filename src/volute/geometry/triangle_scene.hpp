@@ -75,6 +75,7 @@ struct TriangleMesh {
   std::vector<Material> materials;     ///< at least as many as the triangles name
   std::vector<CurvedPart> curved{};    ///< the same
   std::vector<std::string> remarks{};  ///< what its file says beyond that, one sentence each
+  char up = 0;  ///< the axis that points upwards for what wrote the file; 0: not known
 };
 
 /// Where a segment meets a surface first.

@@ -138,7 +138,9 @@ Result<TriangleMesh> readLevelSet(const std::filesystem::path& path, std::uint64
   VOLUTE_TRY(source->readBricks(0, bricks));
   VOLUTE_ASSIGN(auto surface,
                 LevelSetSurface::make(std::move(bricks), source->info(), place, maxMemory));
-  return TriangleMesh{{}, {Material()}, {{std::move(surface)}}};
+  TriangleMesh mesh{{}, {Material()}, {{std::move(surface)}}};
+  mesh.up = source->info().up;
+  return mesh;
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ namespace volute {
 /// Reads opaque surfaces: .glb and .gltf (glTF 2.0: the default scene's nodes, base color and
 /// emissive factors; no textures, skins or morphs), .obj (with the Kd and Ke of its .mtl, linear)
 /// and .vtp (polygons and strips), and .vdb and .nvdb (the first level set of one file, a
-/// LevelSetSurface). Coordinates stay as the file has them. Files that name others
-/// may name those below their own folder alone.
+/// LevelSetSurface, with its upward axis). Coordinates stay as the file has them. Files that name
+/// others may name those below their own folder alone.
 ///
 /// .glb, .gltf and .vtp are read in a child process. kTooLarge when the triangles need more than
 /// `maxMemory` bytes.

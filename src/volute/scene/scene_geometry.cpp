@@ -27,10 +27,10 @@ Status setGeometryTransform(SceneGeometry& entry, const FieldValue& value) {
   return {};
 }
 
-bool isYUp(const SceneGeometry& entry) {
+bool isYUp(const SceneGeometry& entry, const TriangleMesh& mesh) {
   const std::string extension = extensionOf(entry.file);
   const bool gltf = extension == ".glb" || extension == ".gltf";
-  return entry.up == UpAxis::kY || (entry.up == UpAxis::kFormat && gltf);
+  return entry.up == UpAxis::kY || (entry.up == UpAxis::kFormat && (gltf || mesh.up == 'y'));
 }
 
 FieldValue geometryFile(const SceneGeometry& entry) {
@@ -62,7 +62,7 @@ const FieldTable& geometryFields() {
        .help = "affine, row-major, last row 0, 0, 0, 1", .count = 16},
       {.name = "up", .type = kChoice, .access = member<&SceneGeometry::up>(),
        .help = "up axis of the file; y turns its +y upwards before the transform; format: y of .glb "
-               "and .gltf, as glTF has it, z of the others",
+               "and .gltf, as glTF has it, and of level sets by programs with y upwards; z of the others",
        .choices = kUps, .older = "z"}};
   // clang-format on
   static const FieldTable kTable = fieldTable<SceneGeometry>(
@@ -78,7 +78,15 @@ Result<TriangleScene> loadGeometry(const std::vector<SceneGeometry>& entries,
     for (const std::string& remark : mesh.remarks)
       reading.progress.remark({RemarkCode::kDoubtful, fmt::format("{}: {}", entry.file, remark)});
     // A million triangles are 80 MB, and each copy of them costs as much as reading them.
-    const Mat4 placed = isYUp(entry) ? Mat4(entry.transform * yUpwards()) : entry.transform;
+    const bool turned = isYUp(entry, mesh);
+    if (turned && entry.up == UpAxis::kFormat && mesh.up == 'y')
+      reading.progress.remark(
+          Remark(RemarkCode::kAssumed,
+                 fmt::format("{}: its y is turned upwards, as it was written by a program whose y "
+                             "points there; \"up\": \"z\" leaves it",
+                             entry.file))
+              .in(entry.file));
+    const Mat4 placed = turned ? Mat4(entry.transform * yUpwards()) : entry.transform;
     if (placed != Mat4::Identity()) {
       mesh.triangles = transformed(mesh.triangles, placed);
       for (CurvedPart& part : mesh.curved) part.surface = part.surface->moved(placed);
