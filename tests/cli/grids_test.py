@@ -287,8 +287,8 @@ class Extremes(support.TestCase):
 
     def test_inactive_voxels_that_are_no_numbers(self):
         file, packed = self.made / "hidden.vdb", self.path("x.volute")
-        self.assertEqual(self.works("info", file, "--json").json["grids"][0]["active_voxels"], 512)
-        self.assertIn("3 inactive voxels are not kept", self.works("compress", file, "-o", packed).message)
+        self.assertEqual(self.works("info", file, "--json").json["grids"][0]["active_voxels"], 513)
+        self.assertIn("are no numbers (4 of them)", self.works("compress", file, "-o", packed).message)
         self.assertIn("--keep density", self.fails(1, "compress", file, "-o", self.path("y.volute"), "--strict"))
         self.works("compress", self.made / "background_0001.vdb", "-o", self.path("y.volute"), "--strict")
         self.works("extract", packed, "-o", self.path("x_%04d.vdb"))
@@ -735,7 +735,11 @@ class Grids(support.TestCase):
         before = (folder / "c_0101.vdb").read_bytes()
         self.assertIn("not written by Volute", self.fails(1, "extract", CACHE, "-o", folder / "c_%04d.vdb", "--strict"))
         self.assertEqual((folder / "c_0101.vdb").read_bytes(), before)
-        self.assertIn("2 more were not", self.works("extract", CACHE, "-o", folder / "c_%04d.vdb").message)
+        self.works("extract", CACHE, "-o", folder / "d_%04d.vdb", "--strict")
+        self.works("extract", CACHE, "-o", folder / "c_%04d.nvdb", "--field", "density")
+        self.assertNotIn("not written", self.works("extract", CACHE, "-o", folder / "c_%04d.nvdb", "--field", "density").message)
+        self.assertIn("c_0102.vdb was not", self.works("extract", CACHE, "-o", folder / "c_%04d.vdb", "--frames", "102:103").message)
+        self.assertIn("1 more were not", self.works("extract", CACHE, "-o", folder / "c_%04d.vdb").message)
         self.works("extract", CACHE, "-o", folder / "c_%04d.vdb", "--strict")
 
     def test_parts_of_a_cache_are_joined(self):

@@ -156,9 +156,11 @@ class Tenability(Cases):
             self.assertIn(report["verdict"][0]["sentence"], result.text)
             return report["verdict"]
 
-        first, hot, fed = look("--trajectories", self.path("walk.csv"), "--height", 1.5)
+        first, sight, hot, fed = look("--trajectories", self.path("walk.csv"), "--height", 1.5)
         self.assertRegex(first["sentence"], r"^ASET of all criteria, 2 people: 50 s \(between 50 and 60 s, interpolated 55.2 s\), by hot, "
-                                            r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\. Not assessed: sight of signs \(how many see one at each time is listed\)\.$")
+                                            r"of person 7, at x = 5, y = 1, z = 1.5 m; 50 % of them reach one by 120 s\.$")
+        self.assertEqual((sight["criterion"], sight["time"], sight["known"]), ("sight of signs", None, True))
+        self.assertIn("lost by none of those with one in sight without smoke (2 of 2 people) until 120 s", sight["sentence"])
         self.assertEqual((first["time"], first["first"], first["position"], first["known"]), (50, "person 7", [5, 1, 1.5], True))
         self.assertIn("by 120 s by 50 % of the people", hot["sentence"])
         self.assertRegex(fed["sentence"], r"^fed-gas \(fds\) >= 0.3 is reached by none of 2 people until 120 s; the worst is 0.06.*, of person 4\. Not stored, counted as in clean air: hydrogen-cyanide")
@@ -170,7 +172,7 @@ class Tenability(Cases):
         first = look("--eyes", self.path("eyes.csv"))[0]
         self.assertIn("2 points: 40 s (between 40 and 50 s, interpolated 41 s), by hot, of point 2, at x = 0.5", first["sentence"])
         self.cut(case, 2, 4)
-        first, hot, _ = look("--eyes", self.path("eyes.csv"))
+        first, *_ = look("--eyes", self.path("eyes.csv"))
         self.assertEqual((first["time"], first["known"]), (None, 30))
         self.assertIn("2 points: not reached by 30 s, and not known after that at 100 % of the points, because of hot", first["sentence"])
         (self.folder / "case_1_2.sf").unlink()

@@ -337,6 +337,12 @@ class Plan(Visibility):
         self.assertIn("by person 1, at x = 4", verdict["sentence"])
         self.assertIn("(2 of 3 people)", verdict["sentence"])
         self.assertNotIn("sight of signs", report["verdict"][0]["not_assessed"])
+        # A sign that faces its wall is lost by nobody, which is no verdict.
+        away = self.signs({"name": "exit", "position": [20, 1, 2], "normal": [1, 0, 0]})
+        self.look(case, away, "--trajectories", self.path("walk.csv"))
+        report = self.report()
+        self.assertIn("sight of signs", report["verdict"][0]["not_assessed"])
+        self.assertNotIn("sight of signs", [one["criterion"] for one in report["verdict"]])
 
     def test_a_shutter_that_opens_begins_a_loss(self):
         mesh = Mesh("hall", (0, 20, 0, 4, 0, 3), (40, 8, 6), [(10, 10.5, 0, 4, 0, 3)])

@@ -127,8 +127,11 @@ TEST(Bricks, MessagesComeBackAndDamageIsFound) {
     return !Bricks::fromMessage(bytes);
   };
   EXPECT_TRUE(damaged(7, std::byte{0x7F}));     // leaves
-  EXPECT_TRUE(damaged(28, std::byte{2}));       // channels
-  EXPECT_TRUE(damaged(32 + 24, std::byte{1}));  // the side of a tile
+  EXPECT_TRUE(damaged(36, std::byte{2}));       // channels
+  EXPECT_TRUE(damaged(40 + 24, std::byte{1}));  // the side of a tile
+  bricks.setLeftOut(7);
+  bricks.toMessage(message);
+  EXPECT_EQ(Bricks::fromMessage(message)->leftOut(), 7U);
 }
 
 TEST(Bricks, VoxelsOfBoxesBeyondAllNumbers) {

@@ -441,9 +441,10 @@ Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path&
   if (sequences.size() > 1) {
     std::vector<NumberedFile> fractions = numbered(true);
     const Sequences fewer = sequencesOf(fractions, true);
-    if (fewer.size() > 1)
-      return tl::unexpected(
-          checkOneSequence(folder, fewer.size() < sequences.size() ? fewer : sequences).error());
+    const bool all = fractions.size() == found.size();  // some may have too many digits
+    if (!all || fewer.size() > 1)
+      VOLUTE_TRY(
+          checkOneSequence(folder, all && fewer.size() < sequences.size() ? fewer : sequences));
     found = std::move(fractions);
   }
   VOLUTE_TRY(toOneScale(found));

@@ -197,6 +197,16 @@ TEST(NumberedFiles, TwoSeriesInOneFolderAreAnError) {
     EXPECT_NE(files.error().message.find(part), std::string::npos) << files.error().message;
 }
 
+TEST(NumberedFiles, DatesBeforeTheNumberAreNoFrames) {
+  const TempFolder folder;
+  for (const char* name : {"sim.20240101.0001.vdb", "sim.20240102.0001.vdb"})
+    writeBytes(folder / name, "");
+  const auto files = listNumberedFiles(folder.path(), ".vdb");
+  ASSERT_FALSE(files);
+  EXPECT_NE(files.error().message.find("sim.20240101.####.vdb (1 file)"), std::string::npos)
+      << files.error().message;
+}
+
 TEST(NumberedFiles, PatternsThatAreNamedMatch) {
   const TempFolder folder;
   for (const char* name :

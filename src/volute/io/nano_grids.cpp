@@ -175,7 +175,7 @@ Result<std::vector<openvdb::GridBase::Ptr>> readNanoGrids(const std::filesystem:
                 kMajor);
   }
   const auto damaged = [&](std::string_view why) {
-    return fail(ErrorCode::kInvalidData, "{}: not a whole NanoVDB file: {}", path.string(), why);
+    return fail(ErrorCode::kTruncated, "{}: not a whole NanoVDB file: {}", path.string(), why);
   };
   std::uint64_t stored = 0;
   const std::uint64_t size = std::filesystem::file_size(path);

@@ -243,6 +243,10 @@ void makeExtremes(const std::filesystem::path& folder) {
   hidden->tree().setValueOff(Coord(9, 0, 0), std::numeric_limits<float>::quiet_NaN());
   hidden->tree().setValueOff(Coord(10, 0, 0), std::numeric_limits<float>::infinity());
   hidden->tree().setValueOff(Coord(40, 0, 0), 7.f);
+  // In a leaf that reaches into the box of what is active: one in it, and one beyond.
+  hidden->tree().setValue(Coord(-3, 3, 3), 1.f);
+  hidden->tree().setValueOff(Coord(-1, 3, 3), 2.f);
+  hidden->tree().setValueOff(Coord(-6, 3, 3), 5.f);
   write("hidden", hidden);
   const auto unset = FloatGrid::create(std::numeric_limits<float>::quiet_NaN());
   unset->tree().setValue(Coord(0), 1.f);

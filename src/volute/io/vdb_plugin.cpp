@@ -39,7 +39,7 @@ auto guarded(const std::filesystem::path& file, Function&& function) -> decltype
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(ErrorCode::kIo, "{}: cannot read: {}", file.string(), error.code().message());
   } catch (const std::runtime_error& error) {  // NanoVDB's
-    return fail(ErrorCode::kInvalidData, "{}: not a whole NanoVDB file: {}", file.string(),
+    return fail(ErrorCode::kTruncated, "{}: not a whole NanoVDB file: {}", file.string(),
                 error.what());
   }
 }
@@ -100,7 +100,11 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     openvdb::CoordBBox part;
     tile.getBoundingBox(part);
     const bool held = holds(colour, tile.isValueOn());
-    if (held ? !part.hasOverlap(box) : counts(colour))
+    openvdb::CoordBBox within = part;
+    within.intersect(box);
+    if (held)
+      leftOut += tile.isValueOn() ? 0 : part.volume() - (within.empty() ? 0 : within.volume());
+    else if (counts(colour))
       leftOut += part.volume();
     if (!held || !part.hasOverlap(box))
       continue;
@@ -126,7 +130,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
       const bool active = mask.isOn(n);
       const Colour colour = colourOf(values[n]);
       const bool held = holds(colour, active);
-      leftOut += held ? !inside : counts(colour);
+      leftOut += held ? !active && !box.isInside(it->offsetToGlobalCoord(n)) : counts(colour);
       leaf.active[z] |= static_cast<std::uint64_t>(active) << bit;
       leaf.valued[z] |= static_cast<std::uint64_t>(held) << bit;
       any |= leaf.valued[z];

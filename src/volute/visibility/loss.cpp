@@ -280,7 +280,8 @@ void SignLoss::updateEye(std::size_t eye, std::span<const Sighting> sightings) {
     const std::uint64_t last = begun ? last_ : nowPlace;
     const bool complete = loss.known == Loss::kAlways;
     if (perhaps) {
-      const std::uint64_t until = begun ? last : Loss::kNeverKnown;
+      // Before a sign came into sight nothing was lost.
+      const std::uint64_t until = begun || begun_ ? last : Loss::kNeverKnown;
       if (complete || times_[until] < times_[loss.known])
         loss.known = until;
     } else if (complete || !seen) {

@@ -114,6 +114,11 @@ TEST(SignLoss, ALossBeginsWhereASignComesIntoSight) {
   late.update(5, std::vector{at(9)});
   EXPECT_EQ(late.times(0).down[0], 5);
   EXPECT_EQ(late.times(0).up[0], 5);
+  // Where it is not known whether it is seen then, nothing was lost before.
+  SignLoss open = oneLoss(signs);
+  open.update(0, std::vector{shut});
+  open.update(5, std::vector{judge(signs[0].sign, Vec3(20, 2, 2), {.covered = false})});
+  EXPECT_EQ(open.times(0).known[0], 5);
   // What is not known after the end is not known of it alone.
   SignLoss kept = oneLoss(signs);
   kept.update(0, std::vector{shut});

@@ -83,11 +83,16 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     add(missing, name + why);
     notAssessed.push_back(name);
   };
-  if (!survey.signs.empty()) {
+  const auto seeing =
+      survey.signs.empty() ? std::ptrdiff_t{0} : std::ranges::count(*sight.counts, true);
+  if (!survey.signs.empty())
+    count = sight.times->up.size();
+  if (seeing > 0) {
     losses.push_back(sight);
     latest.push_back(latestSight);
     names.emplace_back("sight of signs");
-    count = sight.times->up.size();
+  } else if (!survey.signs.empty()) {
+    leaveOut("sight of signs", " (none is in sight, smoke or not)");
   }
   for (const ExposureMeter::Missing& one : meter.missing()) leaveOut(one.criterion.name, "");
   for (std::size_t c = 0; c < meter.criteria().size(); ++c) {
@@ -151,11 +156,11 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
   if (first.any)
     verdict.back()["by"] = by;
   verdict.back()["not_assessed"] = std::move(notAssessed);
-  if (!survey.signs.empty()) {
+  if (seeing > 0) {
     const FirstLoss one = firstLoss(*sight.times, survey.round, *sight.counts);
     const FirstLoss last = firstLoss(*latestSight.times, survey.round, *latestSight.counts);
-    const std::string them = fmt::format("those with one in sight without smoke ({} of {})",
-                                         std::ranges::count(*sight.counts, true), all);
+    const std::string them =
+        fmt::format("those with one in sight without smoke ({} of {})", seeing, all);
     text = "Sight of signs is ";
     if (!one.certain()) {
       text += unknownWords(one, "lost", them);

@@ -54,8 +54,8 @@ class ToldSource final : public WrappedSource {
     if (bricks.leftOut() > 0 && !std::exchange(told_, true)) {
       log_.remark(
           Remark(RemarkCode::kLeftOut,
-                 fmt::format("{}: '{}', frame {}: {} inactive voxels are not kept, as they lie "
-                             "beyond all active ones or are no numbers: they become background",
+                 fmt::format("{}: '{}', frame {}: what inactive voxels hold is not kept where they "
+                             "lie beyond all active ones or are no numbers ({} of them)",
                              path_, info().name, info().frameText(static_cast<std::size_t>(index)),
                              bricks.leftOut()),
                  {Hint::set("keep", info().name).so("keeps the grid as it is")})
@@ -243,7 +243,7 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
 /// Whether a file of this grid alone needs to say more of it than its values. Without a description
 /// its first voxel has the index 0, so that its leaves and tiles are others unless they begin
 /// there.
-/// @param cropped  its first voxel is another than that of the cache
+/// @param cropped  it begins at another voxel than the cache's
 bool wantsDescription(const VolumeGrid& grid, bool cropped) {
   constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
   if (!grid.description)
@@ -259,10 +259,9 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
   // Where a volume alone is written: from index 0 on, its place in the transform.
   const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
-  const bool plainPlace =
-      cropped ||
-      (one.begin == GridDescription::Index{} && one.shifts.empty() && one.matrices.empty() &&
-       one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap"));
+  const bool plainPlace = !cropped && one.begin == GridDescription::Index{} && one.shifts.empty() &&
+                          one.matrices.empty() &&
+                          one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
   return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
          !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
 }
@@ -353,7 +352,7 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                                             const GridCompression& how, const InputOptions& input,
                                             Reading& reading, Team& team) {
   const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
-  if (input.raw || !VolumeGrids::mayBe(path) || (input.bounds && isVolutePath(path))) {
+  if (input.raw || !VolumeGrids::mayBe(path)) {
     if (how.rms.empty())
       return std::nullopt;
     return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
@@ -413,6 +412,8 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
     return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
                    "is for one grid, and {} has {}", path, chosen.size() + kept.size());
   }
+  if (input.bounds && isVolutePath(path))
+    return std::nullopt;  // refused where it is opened
   for (const auto& [name, rms] : how.rms) {
     VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
     if (std::ranges::find(chosen, found[0]) == chosen.end()) {

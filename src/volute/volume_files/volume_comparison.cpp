@@ -362,12 +362,18 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   if (!isNumpyPath(a) && !isNumpyPath(b))
     VOLUTE_TRY(checkPlaces(first.places, a, second.places, b, infoA));
   const bool placed = !isNumpyPath(a) && !isNumpyPath(b) && !options.bounds;
+  const auto statesPlace = [](const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return isVolutePath(path) || VolumeGrids::mayBe(path) || extension == ".vti" ||
+           extension == ".pvd";
+  };
   if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
     align(first.source, {}, second.source, {});
   VolumeComparison comparison;
   std::vector<Image> errors;
-  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source), placed,
-                                         request, reading, errors));
+  VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source),
+                                         placed && statesPlace(a) && statesPlace(b), request,
+                                         reading, errors));
   comparison.grids.push_back(std::move(one));
   if (!errors.empty())
     comparison.errors = std::move(errors[0]);

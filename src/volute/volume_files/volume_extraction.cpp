@@ -522,15 +522,16 @@ Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
 }
 
 /// Who extracts into the folder of a cache loses it.
-void remarkOnReplaced(const std::string& path, const std::string& target, Reading& reading) {
-  if (!isVdbPath(target))
+/// @param info  of the frames that are written
+void remarkOnReplaced(const std::string& path, const std::string& target, const VolumeInfo& info,
+                      Reading& reading) {
+  if (extensionOf(target) != ".vdb")
     return;
   std::vector<std::filesystem::path> there;
   if (namesSeries(target)) {
-    if (const auto pattern = FramePattern::parse(target)) {
-      const auto files = pattern->list(SubFrames::kAllowed);
-      for (std::size_t i = 0; files && i < files->size(); ++i) there.push_back((*files)[i].path);
-    }
+    const auto pattern = FramePattern::parse(target);
+    for (std::size_t i = 0; pattern && i < info.frameNumbers.size(); ++i)
+      there.push_back(pattern->format(info.frameNumbers[i], info.frameScale));
   } else {
     there.emplace_back(target);
   }
@@ -589,8 +590,10 @@ Status extractVolute(const std::string& path, const std::string& target,
   std::vector<std::string> names;
   for (const std::size_t i : chosen) names.push_back(grids->grids()[i].name);
   const bool each = namesEachGrid(target);
-  if (team.leads() && !each)
-    remarkOnReplaced(path, target, reading);
+  VOLUTE_ASSIGN(const auto positions, selectPositions(main->info(), request.frames));
+  const VolumeInfo frames = framesAt(main->info(), positions);
+  for (std::size_t i = 0; team.leads() && i < (each ? names.size() : 1); ++i)
+    remarkOnReplaced(path, each ? nameOfGrid(target, names[i]) : target, frames, reading);
   const bool described = main->grids().size() != 1 || main->grids()[0].description.has_value() ||
                          !main->kept().grids.empty();
   // Only .vdb files take what is no volume.

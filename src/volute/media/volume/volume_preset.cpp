@@ -325,11 +325,12 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
     // What is below zero as far as above it is no amount of anything, whatever its name.
     if (range->any() && !(range->least < -0.5 * range->most))
       continue;
-    choice.unusable = range->any() ? fmt::format(
-                                         "its values, {:.3g} to {:.3g}, are no amount of "
-                                         "smoke or fire",
-                                         range->least, range->most)
-                                   : std::string("none of its values is above 0");
+    if (*name == grids.mainName())
+      choice.unusable = range->any() ? fmt::format(
+                                           "its values, {:.3g} to {:.3g}, are no amount of "
+                                           "smoke or fire",
+                                           range->least, range->most)
+                                     : std::string("none of its values is above 0");
     name->clear();
   }
   const bool kelvins = choice.heatRange.most >= kKelvins;
