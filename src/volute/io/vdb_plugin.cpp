@@ -65,9 +65,10 @@ std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted)
 /// `offset`.
 /// @param topology  the same without values; where only `box` was read, tiles across its border are
 /// voxels in `grid`
+/// @param counted  whether Bricks::leftOut() is
 template <class Grid>
 Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox& box,
-                double offset, double& rounding) {
+                double offset, bool counted, double& rounding) {
   using Traits = Channels<typename Grid::ValueType>;
   constexpr std::size_t kCount = Traits::kCount;
   using Colour = std::array<float, 3>;
@@ -117,6 +118,8 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     if (&grid != &topology && topology.tree().probeConstLeaf(it->origin()) == nullptr)
       continue;
     const bool inside = it->getNodeBoundingBox().hasOverlap(box);
+    if (!inside && !counted)
+      continue;
     const auto& mask = it->getValueMask();
     const auto* values = it->buffer().data();
     Bricks::Leaf leaf{originOf(it->origin())};
@@ -147,7 +150,7 @@ Bricks bricksOf(const Grid& grid, const Grid& topology, const openvdb::CoordBBox
     });
   }
   all.sort();
-  all.setLeftOut(leftOut);
+  all.setLeftOut(counted ? leftOut : 0);
   return all;
 }
 
@@ -157,12 +160,13 @@ bool hasDoubles(const openvdb::GridBase& grid) {
 
 /// Nothing where the grid is of a type that is no volume.
 std::optional<Bricks> bricksOfGrid(const openvdb::GridBase& grid, const openvdb::GridBase& topology,
-                                   const openvdb::CoordBBox& box, double offset, double& rounding) {
+                                   const openvdb::CoordBBox& box, double offset, bool counted,
+                                   double& rounding) {
   std::optional<Bricks> bricks;
   const auto take = [&]<class Grid>() {
     if (!bricks && grid.isType<Grid>() && topology.isType<Grid>())
       bricks = bricksOf(static_cast<const Grid&>(grid), static_cast<const Grid&>(topology), box,
-                        offset, rounding);
+                        offset, counted, rounding);
   };
   take.template operator()<openvdb::FloatGrid>();
   take.template operator()<openvdb::DoubleGrid>();
@@ -433,7 +437,7 @@ class VdbReader final : public LatticeReader {
       if (frusta_ && isFrustum(file.grid(index))) {
         const auto grid = file.readTree(index);
         const auto bricks =
-            bricksOfGrid(*grid, *grid, openvdb::CoordBBox::inf(), offset_, rounding);
+            bricksOfGrid(*grid, *grid, openvdb::CoordBBox::inf(), offset_, false, rounding);
         if (!bricks)
           return changedType(path, wanted);
         // The process has a limit of its own.
@@ -453,11 +457,10 @@ class VdbReader final : public LatticeReader {
             "damaged",
             path.string(), wanted);
       }
-      auto bricks = bricksOfGrid(*grid, *topology, part, offset_, rounding);
+      // What is cropped is left out on purpose, and of a part the rest is in others.
+      auto bricks = bricksOfGrid(*grid, *topology, part, offset_, all && !crop, rounding);
       if (!bricks)
         return changedType(path, wanted);
-      if (crop || !all)
-        bricks->setLeftOut(0);  // on purpose, or in another part
       return *std::move(bricks);
     });
   }

@@ -112,14 +112,10 @@ void remarkOnPlaces(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) 
                                 (a.bounds.max - b.bounds.max).cwiseAbs().maxCoeff());
   if (apart <= kSame * voxel)
     return;
-  const auto words = [](const Box3& box) {
-    return fmt::format("{:.6g}, {:.6g}, {:.6g} to {:.6g}, {:.6g}, {:.6g} m", box.min[0], box.min[1],
-                       box.min[2], box.max[0], box.max[1], box.max[2]);
-  };
   reading.progress.remark(
       {RemarkCode::kDoubtful,
-       fmt::format("'{}': the two lie elsewhere, {} and {}: voxels of the same number are compared",
-                   a.name, words(a.bounds), words(b.bounds))});
+       fmt::format("'{}': the two lie elsewhere ({}; {}): voxels of the same number are compared",
+                   a.name, boxText(a.bounds), boxText(b.bounds))});
 }
 
 /// The chosen frames of both.
