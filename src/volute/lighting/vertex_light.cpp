@@ -74,14 +74,19 @@ std::int32_t LampPaths::firstTet(std::int32_t vertex, const Vec3& direction, boo
   return -1;
 }
 
-LampPaths::Walk LampPaths::walk(std::int32_t vertex, const Segment& way,
-                                std::span<const float> extinction, bool lampInside) const {
-  Walk out;
-  const std::int32_t tet = firstTet(vertex, way.direction, out.doubtful);
-  return out.doubtful ? out : walkFrom(*locator_, tet, way, extinction, lampInside);
-}
-
 namespace {
+
+/// Smoke of one mesh at N times: one extinction for each vertex.
+template <std::size_t N>
+using Smokes = std::array<std::span<const float>, N>;
+
+/// What a walk found out about each of N smokes.
+template <std::size_t N>
+struct Walk {
+  std::array<double, N> depths{};
+  bool dark = false;
+  bool doubtful = false;  ///< the way meets an edge or a vertex
+};
 
 /// Axes across a way, and along it: what a walk looks along.
 class AlongWay {
@@ -101,21 +106,24 @@ class AlongWay {
 };
 
 /// A vertex as a way sees it.
+template <std::size_t N>
 struct WalkCorner {
   Vec3 at;
-  double value = 0;
+  std::array<double, N> values{};
   std::int32_t vertex = -1;
 };
 
 /// Exchanging the ends changes the sign and nothing else.
-double edgeBetween(const WalkCorner& a, const WalkCorner& b) {
+template <std::size_t N>
+double edgeBetween(const WalkCorner<N>& a, const WalkCorner<N>& b) {
   return a.at.x() * b.at.y() - a.at.y() * b.at.x();
 }
 
 /// The triangle through which a way passes, its corners anticlockwise; each weight is the edge
 /// across from its corner.
+template <std::size_t N>
 struct WalkFace {
-  WalkCorner corners[3];
+  WalkCorner<N> corners[3];
   double weights[3] = {};
 
   /// False where the way meets an edge.
@@ -139,16 +147,20 @@ struct WalkFace {
     return a.z() + (weights[1] * (b.z() - a.z()) + weights[2] * (c.z() - a.z())) / sum;
   }
 
-  double value() const {
+  std::array<double, N> values() const {
     const double sum = weights[0] + weights[1] + weights[2];
-    return (weights[0] * corners[0].value + weights[1] * corners[1].value +
-            weights[2] * corners[2].value) /
-           sum;
+    std::array<double, N> out;
+    for (std::size_t n = 0; n < N; ++n) {
+      out[n] = (weights[0] * corners[0].values[n] + weights[1] * corners[1].values[n] +
+                weights[2] * corners[2].values[n]) /
+               sum;
+    }
+    return out;
   }
 
   /// On to the face by which the way leaves the tet that `ahead` completes. The vertex that is left
   /// behind, or -1 where the way meets an edge.
-  std::int32_t advance(const WalkCorner& ahead) {
+  std::int32_t advance(const WalkCorner<N>& ahead) {
     double to[3];
     for (int i = 0; i < 3; ++i) to[i] = edgeBetween(ahead, corners[i]);
     for (int i = 0; i < 3; ++i) {  // corner i is left behind: the way passes between the others
@@ -165,33 +177,34 @@ struct WalkFace {
   }
 };
 
-}  // namespace
-
-LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
-                                    std::span<const float> extinction, bool lampInside) {
+/// Along a way from a point of `tet`.
+template <std::size_t N>
+Walk<N> walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
+                 const Smokes<N>& smokes, bool lampInside) {
   const TetMesh& mesh = locator.mesh();
   const double near = kNear * sizeOf(mesh);
-  Walk out;
+  Walk<N> out;
   if (tet < 0) {
     if (way.end > near)
       out.dark = lampInside || meshBetween(locator, way, near);
     return out;
   }
   const auto points = mesh.vertices();
-  const auto value = [&](std::int32_t vertex) {
-    return static_cast<double>(extinction[static_cast<std::size_t>(vertex)]);
-  };
   // The first tet, in which the way begins, by its shares.
   const auto slopes = mesh.slopes(tet);
   const Tet& start = mesh.tets()[tet];
   const Vec3 from = way.origin - points[start[0]];
-  double first = std::numeric_limits<double>::infinity(), second = first, begin = 0, rise = 0;
+  double first = std::numeric_limits<double>::infinity(), second = first;
+  std::array<double, N> before{}, rise{};
   int exit = -1;
   for (int k = 0; k < 4; ++k) {
     const double down = slopes[k].dot(way.direction);
     const double share = slopes[k].dot(from) + (k == 0 ? 1 : 0);
-    begin += share * value(start[k]);
-    rise += down * value(start[k]);
+    for (std::size_t n = 0; n < N; ++n) {
+      const double value = smokes[n][static_cast<std::size_t>(start[k])];
+      before[n] += share * value;
+      rise[n] += down * value;
+    }
     if (!(down < 0))
       continue;
     const double leave = -share / down;
@@ -204,19 +217,24 @@ LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet,
     }
   }
   double s = std::max(0.0, std::min(first, way.end));
-  out.depth = (begin + 0.5 * rise * s) * s;
+  for (std::size_t n = 0; n < N; ++n) {
+    out.depths[n] = (before[n] + 0.5 * rise[n] * s) * s;
+    before[n] += rise[n] * s;
+  }
   out.doubtful = exit < 0 || (first < way.end && second - first < near) || first < -near;
   if (out.doubtful || first >= way.end)
     return out;
   // The others from face to face, by the side of each edge that the way passes.
   const AlongWay seen(way);
   const auto corner = [&](std::int32_t vertex) {
-    return WalkCorner{seen(points[vertex]), value(vertex), vertex};
+    WalkCorner<N> made{seen(points[vertex]), {}, vertex};
+    for (std::size_t n = 0; n < N; ++n)
+      made.values[n] = smokes[n][static_cast<std::size_t>(vertex)];
+    return made;
   };
-  WalkFace face{{corner(start[(exit + 1) & 3]), corner(start[(exit + 2) & 3]),
-                 corner(start[(exit + 3) & 3])}};
+  WalkFace<N> face{{corner(start[(exit + 1) & 3]), corner(start[(exit + 2) & 3]),
+                    corner(start[(exit + 3) & 3])}};
   out.doubtful = !face.make();
-  double before = begin + rise * s;
   for (std::int32_t half = mesh.opposite(4 * tet + exit);
        half != TetMesh::kBoundary && !out.doubtful;) {
     const Tet& next = mesh.tets()[half / 4];
@@ -226,12 +244,14 @@ LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet,
       break;
     }
     const double end = std::max(face.distance(), s);
-    double after = face.value();
+    std::array<double, N> after = face.values();
     const bool arrives = end >= way.end;
     const double length = (arrives ? way.end : end) - s;
-    if (arrives)
-      after = before + (end > s ? length / (end - s) : 0.0) * (after - before);
-    out.depth += 0.5 * (before + after) * length;
+    for (std::size_t n = 0; n < N; ++n) {
+      if (arrives)
+        after[n] = before[n] + (end > s ? length / (end - s) : 0.0) * (after[n] - before[n]);
+      out.depths[n] += 0.5 * (before[n] + after[n]) * length;
+    }
     if (arrives)
       return out;
     s = end, before = after;
@@ -243,6 +263,15 @@ LampPaths::Walk LampPaths::walkFrom(const TetLocator& locator, std::int32_t tet,
   return out;
 }
 
+double shareOf(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
+               const Walk<1>& walk) {
+  if (walk.doubtful)
+    return lampShareReference(locator, extinction, way);
+  return walk.dark ? 0 : std::exp(-walk.depths[0]);
+}
+
+}  // namespace
+
 std::vector<float> LampPaths::shares(std::span<const float> extinction, const Lamp& lamp) const {
   const TetMesh& mesh = locator_->mesh();
   VOLUTE_ASSERT(extinction.size() == mesh.vertices().size());
@@ -251,10 +280,11 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
   parallelRanges(shares.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Segment way = lamp.towards(mesh.vertices()[i]);
-      const Walk walk = this->walk(static_cast<std::int32_t>(i), way, extinction, inside);
-      const double share = walk.doubtful ? lampShareReference(*locator_, extinction, way)
-                                         : (walk.dark ? 0 : std::exp(-walk.depth));
-      shares[i] = static_cast<float>(share);
+      Walk<1> walk;
+      const std::int32_t tet = firstTet(static_cast<std::int32_t>(i), way.direction, walk.doubtful);
+      if (!walk.doubtful)
+        walk = walkFrom<1>(*locator_, tet, way, {extinction}, inside);
+      shares[i] = static_cast<float>(shareOf(*locator_, extinction, way, walk));
     }
   });
   return shares;
@@ -280,10 +310,20 @@ std::vector<float> LampPaths::means(
 
 double lampShareAt(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
                    std::int32_t tet, bool lampInside) {
-  const auto walk = LampPaths::walkFrom(locator, tet, way, extinction, lampInside);
-  if (walk.doubtful)
-    return lampShareReference(locator, extinction, way);
-  return walk.dark ? 0 : std::exp(-walk.depth);
+  return shareOf(locator, extinction, way,
+                 walkFrom<1>(locator, tet, way, {extinction}, lampInside));
+}
+
+std::array<double, 2> lampDepthsAt(const TetLocator& locator,
+                                   const std::array<std::span<const float>, 2>& extinctions,
+                                   const Segment& way, std::int32_t tet, bool lampInside) {
+  const auto walk = walkFrom<2>(locator, tet, way, extinctions, lampInside);
+  if (walk.dark && !walk.doubtful)
+    return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  if (!walk.doubtful)
+    return walk.depths;
+  return {-std::log(lampShareReference(locator, extinctions[0], way)),
+          -std::log(lampShareReference(locator, extinctions[1], way))};
 }
 
 double lampShareReference(const TetLocator& locator, std::span<const float> extinction,

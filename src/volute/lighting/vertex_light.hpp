@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <span>
@@ -42,20 +43,6 @@ class LampPaths {
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
  private:
-  friend double lampShareAt(const TetLocator& locator, std::span<const float> extinction,
-                            const Segment& way, std::int32_t tet, bool lampInside);
-
-  /// What the walk found out about one vertex.
-  struct Walk {
-    double depth = 0;
-    bool dark = false;
-    bool doubtful = false;  ///< the way meets an edge or a vertex
-  };
-
-  Walk walk(std::int32_t vertex, const Segment& way, std::span<const float> extinction,
-            bool lampInside) const;
-  static Walk walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way,
-                       std::span<const float> extinction, bool lampInside);
   std::int32_t firstTet(std::int32_t vertex, const Vec3& direction, bool& doubtful) const;
 
   std::shared_ptr<const TetLocator> locator_;
@@ -66,6 +53,12 @@ class LampPaths {
 /// in the mesh or not.
 double lampShareAt(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
                    std::int32_t tet, bool lampInside);
+
+/// The optical depths of the same way through two smokes of one mesh, in one walk; infinity where
+/// something is in the way.
+std::array<double, 2> lampDepthsAt(const TetLocator& locator,
+                                   const std::array<std::span<const float>, 2>& extinctions,
+                                   const Segment& way, std::int32_t tet, bool lampInside);
 
 /// The slow twin, one segment at a time: the depth of a way in the mesh and whether it leaves the
 /// mesh and enters it again.

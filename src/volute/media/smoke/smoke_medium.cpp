@@ -412,8 +412,10 @@ Result<std::shared_ptr<const SmokeMedium::Step>> SmokeMedium::step(std::size_t i
   VOLUTE_ASSIGN(const double most, largestOf(made.extinction));
   remarkOn(*made.stored, most);
   VOLUTE_TRY(light(made));
-  if (steps_.size() == 2)
+  if (steps_.size() == 2) {
     steps_.erase(steps_.begin());
+    interval_ = {};
+  }
   steps_.push_back(std::make_shared<const Step>(std::move(made)));
   return steps_.back();
 }
@@ -424,6 +426,13 @@ Result<std::shared_ptr<const MeshWalls>> SmokeMedium::wallsOf(const MeshFrame& f
     files_->wallsOf = frame.mesh;
   }
   return files_->walls;
+}
+
+WallInterval SmokeMedium::wallsBetween(const std::shared_ptr<const Step>& from,
+                                       const std::shared_ptr<const Step>& to) {
+  if (interval_.from.get() != &from->extinction || interval_.to.get() != &to->extinction)
+    interval_ = {{from, &from->extinction}, {to, &to->extinction}, std::make_shared<WallLight>()};
+  return interval_;
 }
 
 Result<SmokeMedium::Extinction> SmokeMedium::extinctionAt(std::size_t step, Progress& progress) {
@@ -464,6 +473,10 @@ Result<SmokeState> SmokeMedium::stateAt(double time, Progress& progress) {
       for (std::size_t l = 0; l < state.lampShares.size(); ++l) {
         state.lampShares[l] = between(from->lampShares[l], to->lampShares[l], share);
         state.lampMeans[l] = between(from->lampMeans[l], to->lampMeans[l], share);
+      }
+      if (state.walls) {
+        state.interval = wallsBetween(from, to);
+        state.intervalTime = share;
       }
     }
   }

@@ -25,6 +25,13 @@ namespace volute {
 
 struct OpenOptions;
 
+/// What is known of light at walls between two steps of smoke, between which extinctions are linear
+/// in time.
+struct WallInterval {
+  std::shared_ptr<const std::vector<float>> from, to;  ///< [1/m], one for each vertex
+  std::shared_ptr<WallLight> light;
+};
+
 /// Smoke at one time, on its mesh.
 struct SmokeState {
   std::shared_ptr<const TetLocator> locator;
@@ -36,6 +43,8 @@ struct SmokeState {
   /// Of one unit of concentration [1/m], unitOfConcentration(); 0: the field holds no mass.
   double extinctionOfUnit = 0;
   std::shared_ptr<const MeshWalls> walls{};  ///< of the mesh; null: not made yet
+  WallInterval interval{};                   ///< around its time; null pointers: none is known
+  double intervalTime = 0;                   ///< 0..1, when in it
   Rgb albedo = Rgb::Zero();                  ///< share of what it takes from light that it sends on
 };
 
@@ -228,6 +237,8 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   [[nodiscard]] Status light(Step& step);
   [[nodiscard]] Result<std::shared_ptr<const MeshWalls>> wallsOf(const MeshFrame& frame);
+  WallInterval wallsBetween(const std::shared_ptr<const Step>& from,
+                            const std::shared_ptr<const Step>& to);
   /// lampShares and, behind them, lampMeans.
   std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   [[nodiscard]] Result<std::vector<float>> sharedLightOf(const Step& step, const Lamp& lamp);
@@ -244,6 +255,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   Team* team_ = nullptr;
   Progress* progress_ = nullptr;
   std::vector<std::shared_ptr<const Step>> steps_;  ///< the last two
+  WallInterval interval_;                           ///< the last
   SmokeCounts counts_;
   bool remarked_ = false;
   double largest_ = 0;

@@ -37,12 +37,44 @@ struct PixelsOfFaces {
   }
 };
 
+/// cornerShares() of many points of one triangle.
+class CornerShares {
+ public:
+  CornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Vec3> points)
+      : origin_(points[corners[0]]) {
+    const Vec3 u = points[corners[1]] - origin_, v = points[corners[2]] - origin_;
+    const Vec3 normal = u.cross(v);
+    second_ = v.cross(normal) / normal.squaredNorm();
+    third_ = normal.cross(u) / normal.squaredNorm();
+  }
+
+  Vec3 operator()(const Vec3& point) const {
+    const Vec3 from = point - origin_;
+    const double second = from.dot(second_), third = from.dot(third_);
+    return Vec3(1 - second - third, second, third).cwiseMax(0);
+  }
+
+ private:
+  Vec3 origin_, second_, third_;  // gradients of the second and the third share
+};
+
 /// The lamps before the walls of a mesh.
 class LampsOnWalls {
  public:
   LampsOnWalls(const SmokeState& smoke, const SceneLights& lights, const Blocks& blocks,
-               const MeshWalls& walls, WallLight& known)
-      : smoke_(smoke), lights_(lights), blocks_(blocks), walls_(walls), known_(known) {}
+               const MeshWalls& walls, std::shared_ptr<const WallView> view, WallLight& known)
+      : smoke_(smoke),
+        lights_(lights),
+        blocks_(blocks),
+        walls_(walls),
+        request_{*smoke.locator, smoke.extinction, walls, lights.lamps},
+        known_(known) {
+    request_.view = std::move(view);
+    if (const WallInterval& between = smoke.interval; between.light) {
+      request_.extinction = *between.from, request_.later = *between.to;
+      request_.time = smoke.intervalTime;
+    }
+  }
 
   /// Adds what points of a wall reflect of lamps' light if they reflect all.
   void addTo(std::span<Rgb> light, std::span<const Vec3> points, std::size_t face) const {
@@ -54,25 +86,27 @@ class LampsOnWalls {
     std::vector<Rgb> arriving;
     std::vector<std::size_t> lit;
     std::vector<std::uint8_t> blocked;
-    for (std::size_t i = 0; i < points.size(); ++i)
-      corners[i] = cornerShares(wall.vertices, vertices, points[i]);
+    const CornerShares sharesAt(wall.vertices, vertices);
+    for (std::size_t i = 0; i < points.size(); ++i) corners[i] = sharesAt(points[i]);
     for (std::size_t l = 0; l < lights_.lamps.size(); ++l) {
       const Lamp& lamp = lights_.lamps[l];
       near.clear(), ways.clear(), arriving.clear(), lit.clear();
       for (std::size_t i = 0; i < points.size(); ++i) {
         const Segment way = lamp.towards(points[i]);
         const double cosine = wall.inwards.dot(way.direction);
-        const Rgb reflected = cosine / std::numbers::pi * lamp.irradiance(points[i]);
-        if (!(cosine > 0) || !(reflected > 0).any())
+        if (!(cosine > 0))
           continue;
-        near.push_back(corners[i]), ways.push_back(way), lit.push_back(i);
-        arriving.push_back(reflected);
+        const Rgb reflected = cosine / std::numbers::pi * lamp.irradiance(way);
+        if (!(reflected > 0).any())
+          continue;
+        near.push_back(corners[i]), lit.push_back(i), arriving.push_back(reflected);
+        if (blocks_)
+          ways.push_back(way);
       }
       if (lit.empty())
         continue;
       shares.resize(lit.size());
-      known_.shares({*smoke_.locator, smoke_.extinction, walls_, lights_.lamps}, l, face, near,
-                    shares);
+      known_.shares(request_, l, face, near, shares);
       blocked.assign(lit.size(), 0);
       if (blocks_)
         blocks_(ways, blocked);
@@ -88,6 +122,7 @@ class LampsOnWalls {
   const SceneLights& lights_;
   const Blocks& blocks_;
   const MeshWalls& walls_;
+  WallLight::Request request_;
   WallLight& known_;
 };
 
@@ -144,12 +179,7 @@ std::optional<WallHit> wallLeft(const TetLocator& locator, const Segment& ray) {
 
 Vec3 cornerShares(const std::array<std::int32_t, 3>& corners, std::span<const Vec3> points,
                   const Vec3& point) {
-  const Vec3& a = points[corners[0]];
-  const Vec3 u = points[corners[1]] - a, v = points[corners[2]] - a, w = point - a;
-  const Vec3 normal = u.cross(v);
-  const double area = normal.squaredNorm();
-  const double second = w.cross(v).dot(normal) / area, third = u.cross(w).dot(normal) / area;
-  return Vec3(1 - second - third, second, third).cwiseMax(0);
+  return CornerShares(corners, points)(point);
 }
 
 Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
@@ -159,8 +189,6 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
   if (!walls) {
     VOLUTE_ASSIGN(walls, MeshWalls::make(smoke.locator->mesh()));
   }
-  WallLight found;
-  const LampsOnWalls lamps(smoke, lights, blocks, *walls, known ? *known : found);
   const auto width = static_cast<std::size_t>(camera.width());
   SurfaceView view{std::vector<float>(width * static_cast<std::size_t>(camera.height()),
                                       std::numeric_limits<float>::infinity()),
@@ -203,6 +231,9 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
     });
     return view;
   }
+  WallLight found;
+  WallLight* const kept = smoke.interval.light ? smoke.interval.light.get() : known;
+  const LampsOnWalls lamps(smoke, lights, blocks, *walls, all, kept ? *kept : found);
   const PixelsOfFaces seen(faceOf, walls->faces().size());
   const auto vertices = smoke.locator->mesh().vertices();
   parallelRanges(walls->faces().size(), kFewFaces, [&](std::size_t begin, std::size_t end) {

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include "volute/media/smoke/smoke_medium.hpp"
@@ -147,6 +149,87 @@ TEST(WallLight, IsThatOfItsTwinEverywhere) {
   EXPECT_GT(lit, 5000);
   EXPECT_GT(dark, 1000);
   EXPECT_LE(wrong, (lit + dark) / 5000);  // points on the very edge of a shadow
+}
+
+/// The hall's smoke, and where it drifts to while it grows denser.
+std::array<std::vector<float>, 2> driftingSmoke() {
+  std::array<std::vector<float>, 2> ends{hall().smoke.extinction,
+                                         plume(hall().smoke.locator->mesh(), 30, 1)};
+  for (float& k : ends[1]) k *= 0.8F;
+  return ends;
+}
+
+TEST(WallLight, BetweenTwoStepsIsThatOfTheirMean) {
+  const TetMesh& mesh = hall().smoke.locator->mesh();
+  const auto walls = MeshWalls::make(mesh);
+  ASSERT_TRUE(walls);
+  const auto [from, to] = driftingSmoke();
+  const std::vector<Lamp>& lamps = hall().lights.lamps;
+  WallLight light;
+  WallLight::Request request{*hall().smoke.locator, from, **walls, lamps};
+  request.later = to;
+  const auto points = pointsOfFace(12);
+  std::vector<double> shares(points.size());
+  int wrong = 0, lit = 0;
+  double changed = 0;
+  for (const double time : {0.0, 0.35, 0.6, 1.0}) {
+    std::vector<float> there(from.size());
+    for (std::size_t i = 0; i < there.size(); ++i)
+      there[i] = static_cast<float>((1 - time) * from[i] + time * to[i]);
+    request.time = time;
+    for (std::size_t f = 0; f < (*walls)->faces().size(); f += 11) {
+      const WallFace& face = (*walls)->faces()[f];
+      const Segment toward = lamps[0].towards(mesh.vertices()[face.vertices[0]]);
+      if (!(face.inwards.dot(toward.direction) > 0.02))
+        continue;
+      light.shares(request, 0, f, points, shares);
+      for (std::size_t i = 0; i < points.size(); i += 3) {
+        Vec3 point = Vec3::Zero();
+        for (int k = 0; k < 3; ++k) point += points[i][k] * mesh.vertices()[face.vertices[k]];
+        const Segment way = lamps[0].towards(point + 1e-7 * face.inwards);
+        const double twin = lampShareReference(*hall().smoke.locator, there, way);
+        lit += twin > 0;
+        wrong += !(std::abs(shares[i] - twin) <= 2e-3);
+        changed = std::max(changed,
+                           std::abs(twin - lampShareReference(*hall().smoke.locator, from, way)));
+      }
+    }
+  }
+  EXPECT_GT(changed, 0.1);
+  EXPECT_GT(lit, 5000);
+  EXPECT_LE(wrong, lit / 5000);
+}
+
+TEST(LookAtWalls, OfAnIntervalWalksOnceForAllItsPictures) {
+  const Camera camera =
+      Camera::pinhole({Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()}, 70, 160, 120);
+  const auto ends = driftingSmoke();
+  SmokeState smoke = hall().smoke;
+  const auto walls = MeshWalls::make(smoke.locator->mesh());
+  ASSERT_TRUE(walls);
+  smoke.walls = *walls;
+  const auto alone = [&](double time) {
+    SmokeState state = smoke;
+    for (std::size_t i = 0; i < state.extinction.size(); ++i)
+      state.extinction[i] = static_cast<float>((1 - time) * ends[0][i] + time * ends[1][i]);
+    return lookAtWalls(camera, state, hall().lights, Rgb::Constant(1));
+  };
+  smoke.interval = {std::make_shared<const std::vector<float>>(ends[0]),
+                    std::make_shared<const std::vector<float>>(ends[1]),
+                    std::make_shared<WallLight>()};
+  std::vector<std::uint64_t> walks;
+  for (const double time : {0.1, 0.3, 0.5, 0.9}) {
+    smoke.intervalTime = time;
+    const auto kept = lookAtWalls(camera, smoke, hall().lights, Rgb::Constant(1));
+    walks.push_back(smoke.interval.light->walks());
+    const auto fresh = alone(time);
+    ASSERT_TRUE(kept && fresh);
+    double most = 0;
+    for (std::size_t i = 0; i < kept->color.pixels.size(); ++i)
+      most = std::max<double>(most, std::abs(kept->color.pixels[i] - fresh->color.pixels[i]));
+    EXPECT_LT(most, 4e-3 * *std::ranges::max_element(fresh->color.pixels)) << time;
+  }
+  EXPECT_EQ(walks.back(), walks[1]);  // the first has a view that is not kept
 }
 
 /// A bar that is much thinner than the face on which its shadow falls.

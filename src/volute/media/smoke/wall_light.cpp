@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kTolerance = 5e-4;  ///< at three points of a patch, of the light without smoke
 constexpr double kFewPoints = 12;    ///< on a patch: to walk from each costs no more
+constexpr std::size_t kMostKept = std::size_t{1} << 23;  ///< walks of a view's points, 64 MiB
 constexpr double kInset = 1e-3;  ///< of a face: ways from its rim itself would go along other faces
 
 bool haveTheSameRays(const Camera& a, const Camera& b) {
@@ -182,24 +183,34 @@ struct Patch {
 
   Kind kind = kWalked;
   std::int32_t first = -1;  ///< of four patches: at each corner, and in the middle
-  float depths[6] = {};     ///< at the corners, and between them: 01, 12, 20
+  /// At both ends of the interval: at the corners, and between them: 01, 12, 20.
+  std::array<float, 6> depths[2] = {};
 };
 
 /// One lamp's light on one face.
 struct FacePatches {
   std::vector<Patch> patches;  ///< the first is all of it
   double points = 0;           ///< that they were made for
+  /// The walks of a view's points, in their order.
+  std::shared_ptr<const WallView> view;
+  std::vector<std::array<float, 2>> walked;
 };
 
 using Shares3 = Vec3;  ///< a point of a triangle, by its corners
 
-double parabola(const float (&depths)[6], const Shares3& p) {
+double parabola(const std::array<float, 6>& depths, const Shares3& p) {
   double sum = 0;
   for (int i = 0; i < 3; ++i) {
     sum += p[i] * (2 * p[i] - 1) * depths[i];
     sum += 4 * p[i] * p[(i + 1) % 3] * depths[3 + i];
   }
   return sum;
+}
+
+/// The share of light that comes through at a time between the ends of an interval: depths are
+/// linear in time, as extinctions are.
+double shareAt(double time, double first, double second) {
+  return std::exp(-(first + time * (second - first)));
 }
 
 }  // namespace
@@ -215,6 +226,7 @@ struct WallLight::State {
   std::vector<OfLamp> lamps;
   std::array<std::mutex, 64> guards;  ///< of faces, by their number
   std::atomic<std::uint64_t> walks = 0;
+  std::atomic<std::size_t> kept = 0;  ///< walks of views' points, of all faces
 
   void begin(const Request& request) {
     for (const Lamp& lamp : request.lamps) {
@@ -236,11 +248,16 @@ class FaceWalker {
     for (int i = 0; i < 3; ++i) corners_[i] = request.locator.mesh().vertices()[face.vertices[i]];
   }
 
-  /// Of the light at a point.
-  double share(const Shares3& p) const {
+  /// From a point to the lamp, at both ends of the interval; infinity: dark.
+  std::array<double, 2> depths(const Shares3& p) const {
     const Segment way = lamp_.towards(at(p));
     ++walks;
-    return lampShareAt(request_.locator, request_.extinction, way, face_.tet, inside_);
+    if (!request_.later.empty())
+      return lampDepthsAt(request_.locator, {request_.extinction, request_.later}, way, face_.tet,
+                          inside_);
+    const double share =
+        lampShareAt(request_.locator, request_.extinction, way, face_.tet, inside_);
+    return {-std::log(share), -std::log(share)};
   }
 
   void make(const Silhouettes& silhouettes, FacePatches& out) const {
@@ -294,24 +311,39 @@ class FaceWalker {
   /// Of a part that is lit or dark as a whole.
   Patch whole(const Shares3 (&corners)[3], const Shares3 (&between)[3]) const {
     Patch patch;
-    const auto depthAt = [&](const Shares3& p) { return -std::log(share(p)); };
-    for (int i = 0; i < 3; ++i) {
-      patch.depths[i] = static_cast<float>(depthAt(corners[i]));
-      patch.depths[3 + i] = static_cast<float>(depthAt(between[i]));
+    int dark = 0;
+    for (std::size_t i = 0; i < 6; ++i) {
+      const auto found = depths(i < 3 ? corners[i] : between[i - 3]);
+      dark += std::isfinite(found[0]) && std::isfinite(found[1]) ? 0 : 1;
+      for (std::size_t end = 0; end < 2; ++end)
+        patch.depths[end][i] = static_cast<float>(found[end]);
     }
-    const auto dark =
-        std::ranges::count_if(patch.depths, [](float d) { return !std::isfinite(d); });
     patch.kind = dark == 6 ? Patch::kDark : dark > 0 ? Patch::kCut : Patch::kSmooth;
     for (int i = 0; i < 3 && patch.kind == Patch::kSmooth; ++i) {
       Shares3 local = Shares3::Constant(1 / 6.0);
       local[i] = 4 / 6.0;
-      const double exact =
-          share(local[0] * corners[0] + local[1] * corners[1] + local[2] * corners[2]);
-      if (!(std::abs(std::exp(-parabola(patch.depths, local)) - exact) <= kTolerance))
+      if (!isExact(patch, local,
+                   depths(local[0] * corners[0] + local[1] * corners[1] + local[2] * corners[2])))
         patch.kind = Patch::kCut;
     }
     return patch;
   }
+
+  /// At any time of the interval.
+  bool isExact(const Patch& patch, const Shares3& local, const std::array<double, 2>& exact) const {
+    const double first = parabola(patch.depths[0], local);
+    const double second = parabola(patch.depths[1], local);
+    const int last = request_.later.empty() ? 0 : kTimes;
+    for (int i = 0; i <= last; ++i) {
+      const double time = static_cast<double>(i) / kTimes;
+      const double off = shareAt(time, first, second) - shareAt(time, exact[0], exact[1]);
+      if (!(std::abs(off) <= kTolerance))
+        return false;
+    }
+    return true;
+  }
+
+  static constexpr int kTimes = 4;  ///< of an interval, at which patches are checked
 
   const WallLight::Request& request_;
   const Lamp& lamp_;
@@ -450,17 +482,44 @@ void WallLight::shares(const Request& request, std::size_t lamp, std::size_t fac
   const std::lock_guard lock(state_->guards[face % state_->guards.size()]);
   FacePatches& known = light.faces[face];
   const auto count = static_cast<double>(points.size());
-  if (known.patches.empty() || count > 4 * known.points) {
+  const bool made = known.patches.empty() || count > 4 * known.points;
+  if (made) {
     known.points = count;
     walker.make(light.silhouettes, known);
   }
+  if (made || (request.view && known.view != request.view)) {
+    state_->kept -= known.walked.size();
+    known.walked.clear();
+    known.view = request.view;
+  }
+  const bool keeps = request.view && known.view == request.view;
+  std::size_t walked = 0;
+  const auto walk = [&](const Vec3& point) {
+    const std::size_t place = walked++;
+    if (keeps && place < known.walked.size())
+      return known.walked[place];
+    const auto found = walker.depths(point);
+    const std::array<float, 2> depths{static_cast<float>(found[0]), static_cast<float>(found[1])};
+    if (keeps && place == known.walked.size() && state_->kept < kMostKept) {
+      known.walked.push_back(depths);
+      ++state_->kept;
+    }
+    return depths;
+  };
   for (std::size_t i = 0; i < points.size(); ++i) {
     Shares3 local = FaceWalker::withinInset(points[i]);
     const Patch& patch = find(known.patches, local);
-    if (patch.kind == Patch::kWalked)
-      shares[i] = walker.share(points[i]);
-    else
-      shares[i] = patch.kind == Patch::kDark ? 0 : std::exp(-parabola(patch.depths, local));
+    if (patch.kind == Patch::kDark) {
+      shares[i] = 0;
+    } else if (patch.kind == Patch::kWalked) {
+      const auto [first, second] = walk(points[i]);
+      shares[i] = std::isfinite(first) ? shareAt(request.time, first, second) : 0;
+    } else {
+      const double first = parabola(patch.depths[0], local);
+      shares[i] = request.later.empty()
+                      ? std::exp(-first)
+                      : shareAt(request.time, first, parabola(patch.depths[1], local));
+    }
   }
   state_->walks += walker.walks;
 }

@@ -71,11 +71,13 @@ class MeshWalls {
   mutable std::shared_ptr<const WallView> lastView_;  ///< null: the camera came for the first time
 };
 
-/// How much of lamps' light comes to points of walls through the smoke before them, at one time:
-/// lampShareAt(), within 2e-3. Where the depth of the smoke towards a lamp is smooth on a face,
-/// a parabola stands for it, whose error was found at three points; what may cast a shadow on a
-/// part of a face is known from the edges at which the boundary turns away from the lamp, and there
-/// each point has a walk of its own. Found once, and kept for later pictures. Threads may share it.
+/// How much of lamps' light comes to points of walls through the smoke before them, at one time or
+/// between two, where extinctions are linear: lampShareAt(), within 2e-3. Where the depth of the
+/// smoke towards a lamp is smooth on a face, a parabola stands for it, whose error was found at
+/// three points; what may cast a shadow on a part of a face is known from the edges at which the
+/// boundary turns away from the lamp, and there each point has a walk of its own. Found once, and
+/// kept for later pictures; the walks of points up to 64 MiB, as long as the view stays. Threads
+/// may share it.
 class WallLight {
  public:
   WallLight();
@@ -84,11 +86,16 @@ class WallLight {
   /// A mesh whose walls are lit, and the lamps.
   struct Request {
     const TetLocator& locator;
-    std::span<const float> extinction;
+    std::span<const float> extinction;  ///< where the interval begins
     const MeshWalls& walls;
     std::span<const Lamp> lamps;
+    std::span<const float> later{};  ///< where it ends; empty: this is one time
+    double time = 0;                 ///< 0..1, of the interval
+    /// Whose points they are, all of a face in the order of its pixels; null: some.
+    std::shared_ptr<const WallView> view{};
   };
 
+  /// @param request  but for its time and view always the same
   /// @param face  its place in MeshWalls::faces()
   /// @param points  of it, by the shares of its corners
   /// @param shares  of the lamp's light: 0 in a shadow of the mesh's own walls
