@@ -117,7 +117,7 @@ def volumes(folder):
 
 def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=None, change=None, left_out=(), places=None, more=(), kind="f", extra=()):
     """A classic netCDF file: `soot` of 3 x 4 x 5 x 6 numbers with coordinates; `order` of its dimensions, `units` and `names` of them and of the
-    array by letter (s: soot), `change` of its numbers, `places` of coordinates, `extra` attributes of soot."""
+    array by letter (s: soot), `change` of its numbers, `places` and `attributes` of coordinates, `extra` attributes of soot."""
     units = {"t": "s", "z": "m", "y": "m", "x": "m", "s": "1/m"} | (units or {})
     names = {"t": "time", "z": "z", "y": "y", "x": "x", "s": "soot"} | (names or {})
     codes = {"c": 2, "h": 3, "i": 4, "f": 5, "d": 6}
@@ -137,7 +137,8 @@ def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=
             fill(at | {rest[0]: i}, rest[1:])
     fill({}, order)
     values = change(values) if change else values
-    arrays = [(names[axis], [axis], {"units": ("c", units[axis])}, "d", places[axis]) for axis in "tzyx" if axis not in left_out]
+    arrays = [(names[axis], [axis], {"units": ("c", units[axis])} | (attributes or {}).get(axis, {}), "d", places[axis])
+              for axis in "tzyx" if axis not in left_out]
     arrays += [(name, list(order), {}, "f", values) for name in more]
     arrays.append((names["s"], list(order), {"units": ("c", units["s"])} | dict(extra), kind, values))
 

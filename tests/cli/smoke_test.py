@@ -195,6 +195,35 @@ class Quantities(SmokeCase):
         self.assertIn("optical depth above 9e-06", message)  # 8.7e-7/m over 10.4 m
         self.assertIn("read as kg/m3 instead of mg/m3 it would be 0.0001 kg/m3 of soot", message)
 
+    def test_verdicts_doubt_clear_air_too(self):
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [9, 0, 0], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n1,0,0\n")
+        command = ("visibility", self.path("slab.vtu"), "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"),
+                   "-o", self.path("out"))
+        self.slab(1e-4)
+        density = ("--quantity", "soot-density", "--unit")
+        self.assertNotIn("clear air", self.works(*command, *density, "kg/m3", "--strict").message)
+        self.works(*command, *density, "mg/m3")
+        remarks = json.loads((self.path("out") / "visibility.json").read_text())["remarks"]
+        self.assertTrue(any("read as kg/m3 instead of mg/m3 it would be 0.0001 kg/m3" in remark for remark in remarks), remarks)
+        self.assertIn("clear air", self.fails(1, *command, *density, "mg/m3", "--strict"))
+        self.slab(0)
+        self.assertIn("is 0 everywhere: there is no smoke", self.fails(1, *command, "--quantity", "extinction", "--strict"))
+
+    def test_units_in_names_and_of_length_are_compared(self):
+        case = ("render", self.path("slab.vtu"), "-o", self.path("x.png"), "--size", "8x8", "--strict")
+        mesh = smoke_files.box((0, -1, -1), (10, 1, 1), (2, 1, 1))
+        smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"soot [mg/m3]": [1.0] * len(mesh[0])})
+        density = (*case, "--quantity", "soot-density", "--unit")
+        self.assertIn("its name states mg/m3, of which one is 0.001 g/m3, and it is read with a factor of 1", self.fails(1, *density, "g/m3"))
+        self.works(*density, "mg/m3")
+        smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"K (1/ft)": [1.0] * len(mesh[0])})
+        self.assertIn("one is 3.28084 1/m", self.fails(1, *case, "--quantity", "extinction"))
+        self.works(*case, "--quantity", "extinction", "--scale", "3.280839895")
+        mesh = smoke_files.box((0, 0, 0), (10000, 4000, 3000), (2, 1, 1))
+        smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"K": [1.0] * len(mesh[0])})
+        self.assertIn("in millimetres it would be 10 x 4 x 3 m", self.fails(1, *case, "--quantity", "extinction"))
+
     def test_scenes_name_the_place(self):
         self.slab(0.3)
         for smoke, where in (({"quantity": "soot"}, "/media/0/quantity"), ({"quantity": None}, "/media/0/quantity"),

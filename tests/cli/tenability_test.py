@@ -382,6 +382,32 @@ class Tenability(Cases):
             self.assertIn(word, self.fails(2, "visibility", named, "--field", "smoke", "--quantity", "extinction", "--signs",
                                            self.path("one.json"), "--air-fields", bad, "-o", self.path("x")))
 
+    def test_a_gas_of_a_mesh_that_is_stored_later_is_not_known_before(self):
+        for i, gas in enumerate(([], [("CO", lambda *_: 0.02)], [("CO", lambda *_: 0.02)])):
+            write_vtu(self.path(f"late_{i}.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01, more=gas)
+        write_pvd(self.path("late.pvd"), [(60 * i, f"late_{i}.vtu") for i in range(3)])
+        self.path("eyes.csv").write_text("x,y,z\n1.5,2,1.5\n")
+        self.path("one.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [4, 2, 2], "normal": [-1, 0, 0]}]}))
+        command = ("visibility", self.path("late.pvd"), "--field", "smoke", "--quantity", "extinction", "--signs", self.path("one.json"),
+                   "--eyes", self.path("eyes.csv"), "-o", self.path("out"))
+        self.works(*command)
+        dose = next(one for one in self.report("out")["tenability"]["criteria"] if one["name"] == "fed-gas-sfpe")
+        self.assertNotIn("not_assessed", dose)
+        self.assertEqual(dose["times"], [None])
+        self.assertIn("not known", self.report("out")["verdict"][0]["sentence"])
+
+    def test_a_gas_of_more_than_all_air_is_refused(self):
+        write_vtu(self.path("much.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01, more=[("O2", lambda *_: 20.9), ("CO", lambda *_: -0.01)])
+        self.path("eyes.csv").write_text("x,y,z\n1.5,2,1.5\n")
+        self.path("one.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [4, 2, 2], "normal": [-1, 0, 0]}]}))
+        command = ("visibility", self.path("much.vtu"), "--field", "smoke", "--quantity", "extinction", "--signs", self.path("one.json"),
+                   "--eyes", self.path("eyes.csv"), "-o", self.path("out"))
+        self.assertIn("field 'CO' is -0.01 at 0 s, as mol/mol -0.01 mol/mol; expected 0 to 1", self.fails(1, *command))
+        write_vtu(self.path("much.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01, more=[("O2", lambda *_: 20.9), ("CO", lambda *_: -1e-6)])
+        self.assertIn("field 'O2' is 20.9 at 0 s, as mol/mol 20.9 mol/mol; expected 0 to 1: state its unit, as oxygen=O2:%",
+                      self.fails(1, *command))
+        self.works(*command, "--air-fields", "oxygen=O2:%")
+
     def test_people_and_routes_outside_are_said(self):
         case, signs = self.case(), self.signs()
         self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,50\n7,50,5,50\n")

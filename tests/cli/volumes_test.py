@@ -8,6 +8,7 @@ import shutil
 import subprocess
 
 import support
+from meaning_formats import netcdf
 from pictures import read_exr
 from render_test import read_png
 from support import read_npy, volute, write_npy
@@ -35,6 +36,32 @@ class Volumes(support.TestCase):
         self.assertEqual(said["raw_bytes"], 4 * len(values))
         self.assertEqual(sorted(self.files()), ["back.npy", "in.npy", "x.volute"])
         return rms, worst, said
+
+    def test_coordinates_of_arrays_are_heights_and_directions(self):
+        def written(*more, **how):
+            self.path("a.nc").write_bytes(netcdf(**how))
+            message = self.works("compress", self.path("a.nc"), "-o", self.path("a.volute"), "--max-error", 1e-4, *more).message
+            self.works("extract", self.path("a.volute"), "-o", self.path("a.npy"))
+            return [round(value, 2) for value in read_npy(self.path("a.npy").read_bytes())[1]], message
+
+        up = [0.25 + 0.5 * i for i in range(4)]
+        plain, _ = written()
+        down, _ = written(places={"z": up[::-1]})
+        self.assertNotEqual(down, plain)
+        bounds = "--bounds=0,0,0,3,2.5,2"
+        bounded, message = written(bounds, places={"z": up[::-1]})
+        self.assertEqual(bounded, down)
+        self.assertNotIn("evenly", message)
+        depth, _ = written(places={"z": up}, attributes={"z": {"positive": ("c", "down")}})
+        self.assertEqual(depth, down)
+        info = json.loads(self.works("info", self.path("a.nc"), "--json").out)
+        self.assertEqual((info["bounds"][2], info["bounds"][5]), (-2, 0))
+        self.path("a.nc").write_bytes(netcdf(places={"z": [0.25, 0.5, 1, 2]}))
+        refused = self.fails(1, "compress", self.path("a.nc"), "-o", self.path("a.volute"))
+        self.assertIn("the coordinate 'z' is not evenly spaced: 0.5 at 1 of 4, where even steps say 0.833333333", refused)
+        self.assertNotIn("bounds", refused)
+        _, message = written(bounds, places={"z": [0.25, 0.5, 1, 2]})
+        self.assertIn("taken as even within the bounds that are given", message)
 
     def test_compare_tells_the_loss_by_frame_and_draws_it(self):
         shape, values = support.plume(3, 8)

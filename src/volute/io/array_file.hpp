@@ -27,6 +27,7 @@ struct ArrayFacts {
   char unit[kMaxText + 1] = {};    ///< of the values; empty: the file says none
   char others[kMaxText + 1] = {};  ///< arrays that could have been meant, as people read them
   char order[kMaxText + 1] = {};   ///< which dimension was taken for which axis by its place alone
+  char doubt[kMaxText + 1] = {};   ///< what coordinates say against even voxels; empty: nothing
   std::array<std::int32_t, 5> size{1, 1, 1, 1, 1};  ///< t, z, y, x, c
   bool timed = false;                               ///< times() has them
   bool placed = false;                              ///< there are bounds
@@ -42,7 +43,8 @@ class ArrayReader {
 
   /// The array named `name`, or the only one with three to five axes, else the one of the name
   /// `usual`; it is the one that is read from now on.
-  /// @param place  whether coordinates are to give bounds, and are errors where they do not
+  /// @param place  whether coordinates are to give bounds, and are errors where they do not; else
+  ///               they give the directions of the axes
   [[nodiscard]] virtual Result<ArrayFacts> describe(const std::filesystem::path& file,
                                                     const std::string& name,
                                                     const std::string& usual, bool place) = 0;

@@ -532,6 +532,13 @@ Status checkField(const std::filesystem::path& path, const Geometry& geometry) {
         kinds.contains("coordinates") || std::ranges::all_of(part.elements, [&](const auto& e) {
           return !isVolume(e.first) || kinds.contains(e.first);
         });
+    if (kinds.empty()) {
+      return fail(
+          ErrorCode::kUnsupported,
+          "{}: has no values of part {} of the geometry: the field is of other parts alone, "
+          "or the end is missing; expected values of all parts with a volume",
+          path.string(), number);
+    }
     if (!whole) {
       return fail(ErrorCode::kTruncated,
                   "{}: has not all values of part {} of the geometry: the end is missing; copy the "
@@ -587,8 +594,33 @@ Status checkEnsight(const std::filesystem::path& casePath, const std::string& fi
   return fieldPath ? ofFile(checkField(*fieldPath, geometry), fieldPath->string()) : Status();
 }
 
+std::optional<std::vector<double>> ensightTimes(const std::filesystem::path& casePath,
+                                                const std::string& field) {
+  const auto opened = readCase(casePath);
+  if (!opened || opened->times.size() < 2)
+    return std::nullopt;
+  const auto& scalars = opened->scalars;
+  auto scalar = scalars.find(field.empty() ? "density" : field);
+  if (field.empty() && scalars.size() == 1)
+    scalar = scalars.begin();
+  if (scalar == scalars.end())
+    return std::nullopt;
+  const auto set = opened->times.find(scalar->second.timeSet);
+  if (set == opened->times.end() || set->second.values.empty())
+    return std::nullopt;
+  return set->second.values;
+}
+
 Status checkEnsightCase(const std::filesystem::path& casePath) {
   VOLUTE_ASSIGN(const Case opened, readCase(casePath));
+  bool ofSets = opened.geometry.ofSets;
+  for (const auto& [name, file] : opened.scalars) ofSets = ofSets || file.ofSets;
+  if (ofSets) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: has several times in one file (a file set); expected a file for each time, "
+                "with * in its name",
+                casePath.string());
+  }
   return checkTimes(opened, casePath.string());
 }
 

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
@@ -16,6 +18,12 @@ namespace volute {
 /// 0. Other EnSight formats, and parts on structured grids, are not looked at.
 [[nodiscard]] Status checkEnsight(const std::filesystem::path& casePath, const std::string& field,
                                   double time);
+
+/// When a scalar of an EnSight Gold case is stored [s], by its own time set; of an empty name, of
+/// the only scalar or the one called "density". Nothing where the case has one time set for all, or
+/// does not say. VTK shows the values of each time set at the times of all.
+[[nodiscard]] std::optional<std::vector<double>> ensightTimes(const std::filesystem::path& casePath,
+                                                              const std::string& field);
 
 /// Whether the times in a case's own file are as many as it says, and ascend.
 [[nodiscard]] Status checkEnsightCase(const std::filesystem::path& casePath);

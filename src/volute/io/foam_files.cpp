@@ -2,11 +2,17 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/io/foam_files.hpp"
 
+#include <fmt/ranges.h>
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <span>
+#include <sstream>
 #include <vector>
 
 #include "volute/base/input_file.hpp"
@@ -74,9 +80,13 @@ Status checkKinds(const std::filesystem::path& folder, int below) {
   return {};
 }
 
+std::filesystem::path caseFolder(const std::filesystem::path& casePath) {
+  return casePath.parent_path().empty() ? "." : casePath.parent_path();
+}
+
 /// The folder of a time, which programs write in several ways ("10", "1e1").
 std::optional<std::filesystem::path> folderAt(const std::filesystem::path& casePath, double time) {
-  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  const auto folder = caseFolder(casePath);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const auto named = numberOf<double>(entry.path().filename().string());
@@ -85,6 +95,104 @@ std::optional<std::filesystem::path> folderAt(const std::filesystem::path& caseP
       return entry.path();
   }
   return std::nullopt;
+}
+
+/// Of the folders of times [s], ascending.
+std::vector<double> timesIn(const std::filesystem::path& folder) {
+  std::vector<double> times;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const auto time = numberOf<double>(entry.path().filename().string());
+    if (time && entry.is_directory(error))
+      times.push_back(*time);
+  }
+  std::ranges::sort(times);
+  return times;
+}
+
+/// Folders that processors of a parallel run wrote, and the times in the first.
+struct Processors {
+  int count = 0;
+  std::vector<double> times;  ///< [s], ascending
+};
+
+Processors processorsOf(const std::filesystem::path& folder) {
+  Processors out;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    constexpr std::string_view kPrefix = "processor", kCollated = "processors";
+    int count = 0;
+    if (name.starts_with(kCollated))  // as many in one folder
+      count = numberOf<int>(name.substr(kCollated.size())).value_or(0);
+    else if (name.starts_with(kPrefix) && numberOf<int>(name.substr(kPrefix.size())))
+      count = 1;
+    if (count > 0 && out.times.empty())
+      out.times = timesIn(entry.path());
+    out.count += count;
+  }
+  return out;
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Whether one of `wanted` that is later than `after` is among ascending times.
+bool hasAny(std::span<const double> times, std::span<const double> wanted, double after) {
+  return std::ranges::any_of(wanted, [&](double one) {
+    const double near = 1e-9 * std::max(1.0, std::abs(one));
+    const auto at = std::ranges::lower_bound(times, one - near);
+    return one > after && at != times.end() && *at <= one + near;
+  });
+}
+
+/// With meshes of their own.
+std::vector<std::string> regionsOf(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "constant", error)) {
+    if (std::filesystem::exists(entry.path() / "polyMesh" / "points", error) ||
+        std::filesystem::exists(entry.path() / "polyMesh" / "points.gz", error))
+      names.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+/// At the last time.
+std::vector<std::string> cloudsOf(const std::filesystem::path& folder,
+                                  std::span<const double> times) {
+  std::vector<std::string> names;
+  const auto last = times.empty() ? std::nullopt : folderAt(folder / "case", times.back());
+  std::error_code error;
+  if (!last)
+    return names;
+  for (const auto& entry : std::filesystem::directory_iterator(*last / "lagrangian", error))
+    names.push_back(entry.path().filename().string());
+  std::ranges::sort(names);
+  return names;
+}
+
+/// What constant/g states [m/s2].
+std::optional<std::array<double, 3>> gravityOf(const std::filesystem::path& folder) {
+  const auto file = present(folder / "constant" / "g");
+  if (!file)
+    return std::nullopt;
+  const std::string text = withoutComments(beginOf(*file));
+  const auto value = text.rfind("value");
+  const auto open = text.find('(', std::min(value, text.size())), close = text.find(')', open);
+  if (value == text.npos || close == text.npos)
+    return std::nullopt;
+  std::istringstream words(text.substr(open + 1, close - open - 1));
+  std::array<double, 3> gravity{};
+  for (double& one : gravity) {
+    std::string word;
+    words >> word;
+    const auto read = numberOf<double>(word);
+    if (!read)
+      return std::nullopt;
+    one = *read;
+  }
+  return gravity;
 }
 
 /// What stands in the brackets of a field's dimensions; nothing where it states none.
@@ -125,7 +233,7 @@ std::optional<FoamDimensions> foamDimensions(const std::filesystem::path& casePa
 }
 
 Status checkFoamDimensions(const std::filesystem::path& casePath) {
-  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  const auto folder = caseFolder(casePath);
   std::error_code error;
   for (const auto& time : std::filesystem::directory_iterator(folder, error)) {
     if (!time.is_directory(error) || !numberOf<double>(time.path().filename().string()))
@@ -174,33 +282,96 @@ std::vector<std::string> foamFields(const std::filesystem::path& casePath, doubl
   return names;
 }
 
-Status checkFoamDecomposed(const std::filesystem::path& casePath) {
-  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+Status checkFoamMesh(const std::filesystem::path& casePath) {
+  const auto folder = caseFolder(casePath);
   std::error_code error;
-  if (std::filesystem::exists(folder / "constant" / "polyMesh", error))
-    return {};
-  int processors = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename().string();
-    constexpr std::string_view kPrefix = "processor";
-    processors += name.starts_with(kPrefix) && name.size() > kPrefix.size() &&
-                          name.find_first_not_of("0123456789", kPrefix.size()) == name.npos
-                      ? 1
-                      : 0;
-    constexpr std::string_view kCollated = "processors";
-    if (name.starts_with(kCollated))
-      processors += numberOf<int>(name.substr(kCollated.size())).value_or(0);
+  const Processors processors = processorsOf(folder);
+  if (std::filesystem::exists(folder / "constant" / "polyMesh", error)) {
+    const auto times = timesIn(folder);
+    if (processors.times.size() < 2 || hasAny(times, processors.times, processors.times.front()))
+      return {};
+    return fail(ErrorCode::kUnsupported,
+                "{}: the case itself has none of the {} times that its {} processors have until "
+                "{:g} s; expected them in one: run reconstructPar in its folder",
+                casePath.string(), processors.times.size(), processors.count,
+                processors.times.back());
   }
-  if (processors == 0)
-    return {};
-  return fail(ErrorCode::kUnsupported,
-              "{}: the case is decomposed into {} processors; expected it in one: run "
-              "reconstructPar (reconstructParMesh first where the mesh changes) in its folder",
-              casePath.string(), processors);
+  if (processors.count > 0) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: the case is decomposed into {} processors; expected it in one: run "
+                "reconstructPar (reconstructParMesh first where the mesh changes) in its folder",
+                casePath.string(), processors.count);
+  }
+  if (const auto regions = regionsOf(folder); !regions.empty()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: its meshes are of regions ({}); expected one in constant/polyMesh: write the "
+                "region as a case of its own, or with foamToVTK",
+                casePath.string(), fmt::join(regions, ", "));
+  }
+  return {};
+}
+
+std::vector<std::string> foamDoubts(const std::filesystem::path& casePath) {
+  const auto folder = caseFolder(casePath);
+  std::vector<std::string> doubts;
+  const auto say = [&](const std::string& what) {
+    doubts.push_back(fmt::format("{}: {}", casePath.string(), what));
+  };
+  const auto own = timesIn(folder);
+  std::vector<double> missing;
+  for (const double time : processorsOf(folder).times) {
+    if (!hasAny(own, std::span(&time, 1), -kInfinity))
+      missing.push_back(time);
+  }
+  if (!missing.empty())
+    say(
+        fmt::format("{} times of its processors, {:g} to {:g} s, are not in the case itself and "
+                    "are left out: run reconstructPar in its folder",
+                    missing.size(), missing.front(), missing.back()));
+  if (const auto regions = regionsOf(folder); !regions.empty())
+    say(fmt::format("regions besides the default one are left out: {}", fmt::join(regions, ", ")));
+  if (const auto clouds = cloudsOf(folder, own); !clouds.empty())
+    say(fmt::format("clouds of particles are left out: {}", fmt::join(clouds, ", ")));
+  const auto gravity = gravityOf(folder);
+  const double pull = gravity ? std::hypot((*gravity)[0], (*gravity)[1], (*gravity)[2]) : 0;
+  if (pull > 0 && !(-(*gravity)[2] > 0.5 * pull))
+    say(
+        fmt::format("constant/g is ({:g} {:g} {:g}), and z is upwards here: floors, heights of "
+                    "eyes and plans would be on their side; turn the mesh (transformPoints)",
+                    (*gravity)[0], (*gravity)[1], (*gravity)[2]));
+  return doubts;
+}
+
+Status checkFoamByteOrder(const std::filesystem::path& casePath) {
+  constexpr std::string_view kOther = std::endian::native == std::endian::little ? "MSB" : "LSB";
+  const auto folder = caseFolder(casePath);
+  std::vector<std::filesystem::path> folders{folder / "constant" / "polyMesh"};
+  if (const auto times = timesIn(folder); !times.empty()) {
+    for (const double time : {times.front(), times.back()})
+      folders.push_back(*folderAt(casePath, time));
+  }
+  std::error_code error;
+  for (const auto& one : folders) {
+    for (const auto& entry : std::filesystem::directory_iterator(one, error)) {
+      if (!entry.is_regular_file(error))
+        continue;
+      const std::string head = withoutComments(beginOf(entry.path()));
+      const std::string_view top = std::string_view(head).substr(0, head.find('}'));
+      const auto arch = top.find("arch");
+      if (top.find("binary") == top.npos || arch == top.npos ||
+          top.substr(arch).find(kOther) == top.npos)
+        continue;
+      return failIn(entry.path().string(), "", ErrorCode::kUnsupported,
+                    "is binary in the byte order of another machine ({}); expected that of this "
+                    "one: write the case in ASCII there (foamFormatConvert)",
+                    kOther);
+    }
+  }
+  return {};
 }
 
 Status checkFoamKinds(const std::filesystem::path& casePath) {
-  const auto folder = casePath.parent_path().empty() ? "." : casePath.parent_path();
+  const auto folder = caseFolder(casePath);
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();

@@ -33,8 +33,17 @@ using FoamDimensions = std::array<double, 7>;
 [[nodiscard]] std::vector<std::string> foamFields(const std::filesystem::path& casePath,
                                                   double time);
 
-/// Refuses a case that is decomposed, and says how to put it together.
-[[nodiscard]] Status checkFoamDecomposed(const std::filesystem::path& casePath);
+/// Refuses a case whose mesh, or whose times but for the first, are in the folders of a parallel
+/// run or in regions alone, and says how to put it together.
+[[nodiscard]] Status checkFoamMesh(const std::filesystem::path& casePath);
+
+/// What a case has besides what is read of it (times of a parallel run, regions, clouds), and
+/// gravity that is not along -z; a sentence each.
+[[nodiscard]] std::vector<std::string> foamDoubts(const std::filesystem::path& casePath);
+
+/// Refuses binary files in the byte order of another machine, which VTK takes for its own; looks at
+/// the mesh, the first and the last time.
+[[nodiscard]] Status checkFoamByteOrder(const std::filesystem::path& casePath);
 
 /// Refuses pipes, sockets and devices where files of the case are, before VTK waits for them: it
 /// opens all files of a time to learn what they hold.

@@ -98,7 +98,8 @@ std::string unitOf(const GDALMDArray& array) {
   return unit;
 }
 
-/// A coordinate's numbers in a unit; nothing where the dimension has none.
+/// A coordinate's numbers in a unit, or as they are where it is empty; none where the dimension has
+/// none. Depths, of which netCDF's CF conventions say that they are positive down, become heights.
 /// @param beside  an array of the dimension's name beside the one that is read; may be null
 Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
                                          const std::string& file, std::string_view unit,
@@ -129,13 +130,20 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
     for (double& value : values) value *= 24;
     stated = "h";
   }
-  if (stated.empty())
+  if (const auto positive = array->GetAttribute("positive")) {
+    const char* said = positive->ReadAsString();
+    if (said && lowerCase(said) == "down") {
+      for (double& value : values) value = -value;
+    }
+  }
+  if (stated.empty() || unit.empty())
     return values;
   const auto change = unitChange(stated, unit);
   if (!change) {
-    return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
+    const bool ofPlaces = unit == "m";
+    return fail(ErrorCode::kUnsupported, ofPlaces ? Hints{Hint::set("bounds")} : Hints{},
                 "{}: the coordinate '{}' is in '{}'; expected one in {}", file, array->GetName(),
-                stated, unit == "m" ? "metres, or bounds of your own" : "seconds");
+                stated, ofPlaces ? "metres, or bounds of your own" : "seconds");
   }
   for (double& value : values) value = (*change)(value);
   return values;
@@ -178,8 +186,7 @@ class GdalReader final : public ArrayReader {
     asFloats_ = type == GDT_Float32 && scale_ == 1 && offset_ == 0;
     facts.rounded =
         !asFloats_ && (GDALGetDataTypeSizeBytes(type) >= 4 || scale_ != 1 || offset_ != 0);
-    if (place)
-      VOLUTE_TRY(placeBy(facts));
+    VOLUTE_TRY(placeBy(facts, place));
     VOLUTE_ASSIGN(const auto all, times());
     facts.timed = !all.empty();
     return facts;
@@ -477,7 +484,8 @@ class GdalReader final : public ArrayReader {
   }
 
   /// Bounds by coordinates: voxels lie around them. Where they descend, the axis is read backwards.
-  Status placeBy(ArrayFacts& facts) {
+  /// @param place  whether they are to give bounds; else directions alone
+  Status placeBy(ArrayFacts& facts, bool place) {
     constexpr double kRelative = 1e-3, kRounding = 1e-6;
     std::array<double, 3> low{}, high{}, step{};
     std::array<bool, 3> has{};
@@ -486,7 +494,7 @@ class GdalReader final : public ArrayReader {
       const auto dimension = dimensionOf(3 - i);
       bool since = false;
       VOLUTE_ASSIGN(const auto places,
-                    coordinateOf(*dimension, besideOf(*dimension), file_, "m", since));
+                    coordinateOf(*dimension, besideOf(*dimension), file_, place ? "m" : "", since));
       if (places.empty())
         continue;
       has[i] = true;
@@ -497,10 +505,16 @@ class GdalReader final : public ArrayReader {
         const double expected = places.front() + mean * static_cast<double>(k);
         if (!std::isfinite(places[k]) || (places.size() > 1 && mean == 0) ||
             std::abs(places[k] - expected) > kRelative * std::abs(mean) + kRounding * far) {
-          return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
-                      "{}: the coordinate '{}' is not evenly spaced: {} m at {} of {}, where even "
-                      "steps say {} m; interpolate the array to even voxels, or give bounds",
-                      file_, dimension->GetName(), places[k], k, places.size(), expected);
+          const std::string uneven = fmt::format(
+              "the coordinate '{}' is not evenly spaced: {:.9g} at {} of {}, where even steps say "
+              "{:.9g}",
+              dimension->GetName(), places[k], k, places.size(), expected);
+          if (place) {
+            return fail(ErrorCode::kUnsupported, "{}: {}; interpolate the array to even voxels",
+                        file_, uneven);
+          }
+          uneven.copy(facts.doubt, ArrayFacts::kMaxText);
+          break;
         }
       }
       backwards_[3 - i] = mean < 0;
@@ -510,7 +524,7 @@ class GdalReader final : public ArrayReader {
       if (step[i] > 0)
         least = std::min(least, step[i]);
     }
-    if (!has[0] && !has[1] && !has[2])
+    if (!place || (!has[0] && !has[1] && !has[2]))
       return {};
     for (int i = 0; i < 3; ++i) {
       if (!has[i]) {

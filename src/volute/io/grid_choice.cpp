@@ -64,6 +64,15 @@ Result<std::size_t> chooseGrid(std::span<const GridEntry> entries, const std::st
   return named - entries.begin();
 }
 
+void tellApart(std::span<GridEntry> entries, const std::function<bool(std::size_t)>& ofCells) {
+  std::vector<std::string> names;
+  for (const GridEntry& entry : entries) names.push_back(entry.name);
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (std::ranges::count(names, names[i]) > 1)
+      entries[i].name += ofCells(i) ? " (cells)" : " (points)";
+  }
+}
+
 std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most) {
   std::string text;
   for (std::size_t i = 0; i < entries.size(); ++i) {

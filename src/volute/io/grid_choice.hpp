@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,10 @@ struct GridWords {
 [[nodiscard]] Result<std::size_t> chooseGrid(std::span<const GridEntry> entries,
                                              const std::string& wanted, const std::string& file,
                                              const GridWords& words = {});
+
+/// Calls two of one name, one of cells and one of points, "NAME (cells)" and "NAME (points)".
+/// @param ofCells  of each entry
+void tellApart(std::span<GridEntry> entries, const std::function<bool(std::size_t)>& ofCells);
 
 /// The names of the other entries that could have been meant, "flame, heat"; cut to `most` bytes.
 std::string otherGrids(std::span<const GridEntry> entries, std::size_t chosen, std::size_t most);

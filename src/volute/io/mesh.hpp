@@ -35,7 +35,8 @@ struct MeshSize {
   std::uint64_t points = 0;
   std::uint64_t cells = 0;  ///< those with a volume
   std::uint64_t indices = 0;
-  bool bare = false;  ///< without a field
+  bool bare = false;         ///< without a field
+  std::uint64_t ghosts = 0;  ///< cells that are marked as ghosts, which are left out
   /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
   bool hasDimensions = false;
   std::array<double, 7> dimensions{};
@@ -70,9 +71,10 @@ struct MeshHead {
 /// What a file has in one frame. Trivially copyable.
 struct MeshContents {
   MeshSize size;
-  std::array<std::uint64_t, 5> shapes{};  ///< how many cells of each CellShape
-  std::uint64_t surfaces = 0;             ///< cells without a volume, which are left out
-  std::int32_t blocks = 1;                ///< joined to one mesh
+  std::array<std::uint64_t, 5> shapes{};      ///< how many cells of each CellShape
+  std::uint64_t surfaces = 0;                 ///< cells without a volume, which are left out
+  std::int32_t blocks = 1;                    ///< joined to one mesh
+  char partial[MeshSize::kMaxName + 1] = {};  ///< fields that not all blocks have, for people
 };
 
 /// Cells and one field of a file.
@@ -83,6 +85,7 @@ struct MeshData {
   std::string field;
   std::string others;                               ///< fields that were not chosen
   std::optional<std::array<double, 7>> dimensions;  ///< as in MeshSize
+  std::uint64_t ghosts = 0;                         ///< as in MeshSize
 };
 
 /// What a library that knows a mesh format does with one file. Used inside a child process

@@ -171,6 +171,113 @@ TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {
   EXPECT_THAT(ofFolder.error().message, HasSubstr("/: the case is decomposed into 2 processors"));
 }
 
+TEST(MeshCases, TimesThatProcessorsAloneHaveAreNotForgotten) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  for (const char* name : {"processor0", "processor1"}) {
+    for (const char* time : {"10", "20", "30"})
+      std::filesystem::create_directories(folder / name / time);
+  }
+  ASSERT_VALUE(const auto some, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(
+      some.doubts(),
+      ElementsAre(HasSubstr("box.foam: 1 times of its processors, 30 to 30 s, are not in")));
+  std::filesystem::remove_all(folder / "20");
+  const auto first = MeshSource::open(folder / "box.foam");
+  ASSERT_FALSE(first);
+  EXPECT_THAT(first.error().message, HasSubstr("the case itself has none of the 3 times that its 2 "
+                                               "processors have until 30 s"));
+}
+
+TEST(MeshCases, WhatAnOpenFoamCaseHasBesidesIsTold) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  ASSERT_VALUE(const auto plain, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(plain.doubts(), ::testing::IsEmpty());
+  std::filesystem::create_directories(folder / "constant" / "wall" / "polyMesh");
+  writeBytes(folder / "constant" / "wall" / "polyMesh" / "points", "");
+  std::filesystem::create_directories(folder / "20" / "lagrangian" / "spray");
+  writeBytes(folder / "constant" / "g", foamHead("uniformDimensionedVectorField", "g") +
+                                            "dimensions [0 1 -2 0 0 0 0];\nvalue (0 -9.81 0);\n");
+  ASSERT_VALUE(const auto source, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(source.doubts(),
+              ElementsAre(HasSubstr("regions besides the default one are left out: wall"),
+                          HasSubstr("clouds of particles are left out: spray"),
+                          HasSubstr("constant/g is (0 -9.81 0), and z is upwards here")));
+  writeBytes(folder / "constant" / "g",
+             foamHead("uniformDimensionedVectorField", "g") + "value (0 0 -9.81);\n");
+  ASSERT_VALUE(const auto upright, MeshSource::open(folder / "box.foam"));
+  EXPECT_EQ(upright.doubts().size(), 2);
+  std::filesystem::rename(folder / "constant" / "polyMesh", folder / "constant" / "air");
+  std::filesystem::create_directories(folder / "constant" / "gas");
+  std::filesystem::rename(folder / "constant" / "air", folder / "constant" / "gas" / "polyMesh");
+  EXPECT_THAT(MeshSource::open(folder / "box.foam").error().message,
+              HasSubstr("its meshes are of regions (gas, wall)"));
+}
+
+TEST(MeshCases, OtherFieldsOfOpenFoamMaySayWhatVtkDoesNotRead) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  writeBytes(folder / "20" / "p",
+             foamHead("volScalarField", "p") +
+                 "pp 1e5;\ndimensions [1 -1 -2 0 0 0 0];\ninternalField uniform $pp;\n"
+                 "boundaryField\n{\n#includeEtc \"caseDicts/setConstraintTypes\"\n}\n");
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.foam", {.field = "soot"}));
+  EXPECT_TRUE(testing::ok(source.read(1)));
+  ASSERT_VALUE(auto all, MeshSource::open(folder / "box.foam"));
+  EXPECT_THAT(all.read(1).error().message, HasSubstr("cannot be read: "));
+}
+
+TEST(MeshCases, OpenFoamOfAnotherByteOrderIsRefused) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  const auto file = folder / "20" / "soot";
+  const std::string text = readBytes(file);
+  const auto with = [&](const char* arch) {
+    std::string head = text;
+    head.replace(head.find("format ascii;"), 13,
+                 fmt::format("format binary;\n arch \"{};label=32;scalar=64\";", arch));
+    writeBytes(file, head);
+    const auto source = MeshSource::open(folder / "box.foam");
+    return source ? std::string() : source.error().message;
+  };
+  constexpr bool kLittle = std::endian::native == std::endian::little;
+  EXPECT_THAT(with(kLittle ? "MSB" : "LSB"),
+              HasSubstr("20/soot: is binary in the byte order of another machine"));
+  EXPECT_EQ(with(kLittle ? "LSB" : "MSB"), "");
+}
+
+TEST(MeshCases, AnEnSightFieldHasTheTimesOfItsOwnSet) {
+  const TempFolder folder;
+  writeEnsight(folder.path());
+  std::string text = readBytes(folder / "box.case");
+  text.replace(text.find("scalar per element: 1"), 21, "scalar per element: 2");
+  writeBytes(folder / "box.case", text +
+                                      "time set: 2\nnumber of steps: 2\nfilename start number: "
+                                      "0\nfilename increment: 1\ntime values: 10 18\n");
+  ASSERT_VALUE(auto smoke, MeshSource::open(folder / "box.case", {.field = "smoke"}));
+  EXPECT_THAT(smoke.times(), ElementsAre(10, 20));
+  ASSERT_VALUE(const auto frame, smoke.read(1));
+  expectSmoke(frame, 1);
+  ASSERT_VALUE(const auto soot, MeshSource::open(folder / "box.case", {.field = "soot"}));
+  EXPECT_THAT(soot.times(), ElementsAre(10, 18));
+  text.replace(text.find("model: 1"), 8, "model: 1 1");
+  writeBytes(folder / "box.case", text);
+  EXPECT_THAT(MeshSource::open(folder / "box.case").error().message,
+              HasSubstr("has several times in one file (a file set)"));
+}
+
+TEST(MeshCases, AFieldThatNotAllBlocksHaveIsNoDamage) {
+  const TempFolder folder;
+  writeBinaryEnsight(folder.path());
+  const auto file = folder / "two_smoke.00";
+  std::string bytes = readBytes(file);
+  writeBytes(file, bytes.substr(0, 80 + (bytes.size() - 80) / 2));
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "two.case", {.field = "smoke"}));
+  EXPECT_THAT(source.read(0).error().message,
+              HasSubstr("has no values of part 2 of the geometry: the field is of other parts"));
+}
+
 TEST(MeshCases, ReadsOpenFoam) {
   const TempFolder folder;
   writeFoam(folder.path());

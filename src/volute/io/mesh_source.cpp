@@ -19,6 +19,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/io/collection.hpp"
+#include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -263,6 +264,7 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   data.others.assign(size.others, ::strnlen(size.others, MeshSize::kMaxName));
   if (size.hasDimensions)
     data.dimensions = size.dimensions;
+  data.ghosts = size.ghosts;
   // Copied out of memory that is shared read-write; nothing is written through it here.
   Bytes bytes{reinterpret_cast<std::byte*>(const_cast<float*>(process.values().data()))};
   bytes.get(data.soup.vertices, size.points);
@@ -322,6 +324,7 @@ Result<Description> describeMesh(const std::filesystem::path& path, std::size_t 
                 fromMessage<MeshContents>(text.substr(0, sizeof(MeshContents))));
   if (!settle(described.contents.size))
     return notSound(file);
+  described.contents.partial[MeshSize::kMaxName] = '\0';
   VOLUTE_TRY(checkMemory(described.contents.size, file, options));
   VOLUTE_ASSIGN(described.fields, fieldsIn(text.substr(sizeof(MeshContents))));
   VOLUTE_ASSIGN(MeshData data, takeMesh(process, described.contents.size, file, limits));
@@ -452,6 +455,8 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
   VOLUTE_ASSIGN(MeshSource source, list(path, options));
   if (extensionOf(path) == ".pvd")
     source.readHeads();
+  if (extensionOf(path) == ".foam")
+    source.doubts_ = foamDoubts(path);
   VOLUTE_TRY(source.leaveOutAbsent(path));
   bool ascending = extensionOf(path) == ".pvd";
   for (const FrameLocation& location : source.locations_) {
@@ -576,7 +581,8 @@ void MeshSource::readHeads() {
     file.stated = head->time;
     fieldLists_.push_back(std::move(head->fields));
   }
-  contradiction_ = contradictionOf(files);
+  if (std::string said = contradictionOf(files); !said.empty())
+    doubts_.push_back(std::move(said));
 }
 
 std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
@@ -610,6 +616,10 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
              return name == summary.name;
            });
   };
+  if (extensionOf(path) == ".case") {
+    keepTimesOf(path);
+    return {};
+  }
   std::vector<bool> there(locations_.size(), true);
   if (extensionOf(path) == ".pvd") {
     if (fieldLists_.empty())
@@ -638,6 +648,23 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
                              : fmt::format("there is no field '{}', or no '{}',", field, also);
   leaveOut([&](std::size_t i) { return !there[i]; });
   return {};
+}
+
+/// Of an EnSight case: those of the field's own time set. At others VTK holds its values.
+void MeshSource::keepTimesOf(const std::filesystem::path& path) {
+  const auto own = ensightTimes(path, options_.field);
+  if (!own)
+    return;
+  std::vector<FrameLocation> locations;
+  std::vector<double> times;
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    if (std::ranges::find(*own, times_[i]) != own->end())
+      locations.push_back(locations_[i]), times.push_back(times_[i]);
+  }
+  if (times.empty())
+    return;
+  locations_ = std::move(locations);
+  times_ = std::move(times);
 }
 
 /// Records at the end of an Exodus file that its writer made and did not write.
@@ -780,6 +807,7 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   out.field = data.field;
   out.others = data.others;
   out.ofCells = data.ofCells;
+  out.ghosts = data.ghosts;
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
   if (memory_ && !mesh_) {

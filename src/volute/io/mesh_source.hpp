@@ -25,9 +25,10 @@ struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
   std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
   std::string field;
-  std::string others;       ///< other available fields, as readable text
-  std::size_t clamped = 0;  ///< negative values that were set to 0
-  bool ofCells = false;     ///< the file has cell values, which were converted to point values
+  std::string others;        ///< other available fields, as readable text
+  std::size_t clamped = 0;   ///< negative values that were set to 0
+  bool ofCells = false;      ///< the file has cell values, which were converted to point values
+  std::uint64_t ghosts = 0;  ///< cells that the file marks as ghosts, which are left out
   /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
   std::optional<std::array<double, 7>> dimensions{};
 };
@@ -94,8 +95,9 @@ class MeshSource {
   /// What absent() comes to, as a sentence; empty: nothing is absent.
   std::string absentText() const;
 
-  /// What a .pvd says against its files (contradictionOf()), as a sentence; empty: nothing.
-  const std::string& contradiction() const { return contradiction_; }
+  /// What a .pvd says against its files (contradictionOf()), and what an OpenFOAM case has besides
+  /// (foamDoubts()), a sentence each.
+  std::span<const std::string> doubts() const { return doubts_; }
 
   /// The names of the fields at each time, where that is told without reading them: of each file of
   /// a .pvd (of absent ones too), of each time's folder of OpenFOAM; else empty.
@@ -119,6 +121,7 @@ class MeshSource {
 
   [[nodiscard]] Status leaveOutAbsent(const std::filesystem::path& path);
   void readHeads();
+  void keepTimesOf(const std::filesystem::path& path);
   [[nodiscard]] Status leaveOutUnwritten();
   template <class Absent>
   void leaveOut(const Absent& isAbsent);
@@ -131,7 +134,7 @@ class MeshSource {
   std::vector<FrameLocation> locations_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then
-  std::string contradiction_;
+  std::vector<std::string> doubts_;
   std::vector<std::vector<MeshFieldSummary>> fieldLists_;
   // What the first frame that was read settled for all.
   std::string settledField_;

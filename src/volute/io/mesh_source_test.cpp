@@ -116,10 +116,50 @@ TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
   const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1}, {"a.vtu", 2.5}};
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
   ASSERT_VALUE(const auto source, MeshSource::open(folder / "s.pvd"));
-  EXPECT_THAT(source.contradiction(), HasSubstr("a.vtu: is there at 0 s and at 2.5 s"));
+  EXPECT_THAT(source.doubts(), ElementsAre(HasSubstr("a.vtu: is there at 0 s and at 2.5 s")));
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::span(files).first(2))));
   ASSERT_VALUE(const auto once, MeshSource::open(folder / "s.pvd"));
-  EXPECT_EQ(once.contradiction(), "");
+  EXPECT_THAT(once.doubts(), ::testing::IsEmpty());
+}
+
+TEST(MeshSource, FieldsOfPointsAndCellsWithOneNameAreToldApart) {
+  const TempFolder folder;
+  write(folder / "a.vtu", vtu("1 2 3 4 5 6",
+                              "<DataArray type=\"Float32\" Name=\"smoke\" format=\"ascii\">7 8 9"
+                              "</DataArray>"));
+  const auto open = readOne(folder / "a.vtu", {.field = "smoke"});
+  ASSERT_FALSE(open);
+  EXPECT_THAT(open.error().message, HasSubstr("it has smoke (points) (scalar, of points)"));
+  ASSERT_VALUE(const auto cells, readOne(folder / "a.vtu", {.field = "smoke (cells)"}));
+  EXPECT_TRUE(cells.ofCells);
+  ASSERT_VALUE(const auto points, readOne(folder / "a.vtu", {.field = "smoke (points)"}));
+  EXPECT_FALSE(points.ofCells);
+  EXPECT_EQ(*std::ranges::max_element(points.values), 6);
+}
+
+TEST(MeshSource, PointsOfSurfacesAloneAreLeftOutWithThem) {
+  const TempFolder folder;
+  std::string text = renamed(vtu("9 1 2 3 4 5 6"), "NumberOfPoints=\"6\"", "NumberOfPoints=\"7\"");
+  text = renamed(text, "0 0 0 1 0 0 1 1 0", "9 9 9 0 0 0 1 0 0 1 1 0");
+  text = renamed(text, "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0</D",
+                 "0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0</D");
+  text = renamed(text, "0 1 2 1 2 4 5 0 1 2 3 4", "0 2 3 2 3 5 6 1 2 3 4 5");
+  write(folder / "a.vtu", text);
+  ASSERT_VALUE(const auto frame, readOne(folder / "a.vtu", {.field = "smoke"}));
+  write(folder / "b.vtu", vtu("1 2 3 4 5 6"));
+  ASSERT_VALUE(const auto whole, readOne(folder / "b.vtu", {.field = "smoke"}));
+  EXPECT_EQ(frame.values, whole.values);
+  EXPECT_EQ(frame.mesh->vertices().size(), 6);
+}
+
+TEST(MeshSource, GhostCellsAreCounted) {
+  const TempFolder folder;
+  write(folder / "a.vtu",
+        vtu("1 2 3 4 5 6",
+            "<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">0 1 "
+            "0</DataArray>"));
+  ASSERT_VALUE(const auto frame, readOne(folder / "a.vtu", {.field = "smoke"}));
+  EXPECT_EQ(frame.ghosts, 1);
 }
 
 TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
@@ -136,7 +176,9 @@ TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
   const auto said = [&](std::initializer_list<SeriesFile> files) {
     EXPECT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::vector(files))));
     const auto source = MeshSource::open(folder / "s.pvd");
-    return source ? source->contradiction() : source.error().message;
+    if (!source)
+      return source.error().message;
+    return source->doubts().empty() ? std::string() : source->doubts().front();
   };
   EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 10}}), "");
   EXPECT_THAT(said({{"a.vtu", 0}, {"b.vtu", 60}}),

@@ -79,7 +79,7 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
   std::error_code error;
   if (std::filesystem::is_directory(input, error)) {
     if (std::filesystem::exists(input / "system" / "controlDict", error)) {
-      VOLUTE_TRY(checkFoamDecomposed(input / ""));
+      VOLUTE_TRY(checkFoamMesh(input / ""));
       return fail(
           ErrorCode::kUnsupported,
           "{}: is an OpenFOAM case; give the name of a file in it that ends in .foam, which "

@@ -3,6 +3,7 @@
 #include "volute/io/vtk_cases.hpp"
 
 #include <vtkAppendFilter.h>
+#include <vtkCellData.h>
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataSet.h>
@@ -12,13 +13,17 @@
 #include <vtkInformationVector.h>
 #include <vtkNew.h>
 #include <vtkOpenFOAMReader.h>
+#include <vtkPointData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkXMLDataElement.h>
 #include <vtkXMLUnstructuredGridReader.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
+#include <set>
 #include <span>
 #include <sstream>
 #include <string_view>
@@ -26,14 +31,17 @@
 #include "volute/base/file_name.hpp"
 #include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
+#include "volute/io/grid_choice.hpp"
 #include "volute/io/vtk_errors.hpp"
 #include "volute/io/vtk_xml.hpp"
 
 namespace volute {
 namespace {
 
-/// VTK's reader for a file, with all fields asked for.
-vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path) {
+/// VTK's reader for a file, with all fields asked for; of OpenFOAM with one, unless its name is
+/// empty: others may say what VTK does not read.
+vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path,
+                                       const std::string& field = "") {
   const std::string kind = extensionOf(path);
   if (kind == ".case") {
     auto reader = vtkSmartPointer<vtkGenericEnSightReader>::New();
@@ -49,8 +57,15 @@ vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path) {
     reader->UpdateInformation();
     reader->DisableAllPatchArrays();
     reader->SetPatchArrayStatus("internalMesh", 1);
-    reader->EnableAllCellArrays();
-    reader->EnableAllPointArrays();
+    if (field.empty()) {
+      reader->EnableAllCellArrays();
+      reader->EnableAllPointArrays();
+    } else {
+      reader->DisableAllCellArrays();
+      reader->DisableAllPointArrays();
+      reader->SetCellArrayStatus(field.c_str(), 1);
+      reader->SetPointArrayStatus(field.c_str(), 1);
+    }
     return reader;
   }
   if (kind == ".vtk") {
@@ -128,24 +143,59 @@ Status refuseStructured(vtkDataObject* data, const std::string& file) {
       file);
 }
 
+/// Of cells and points, without what ParaView adds.
+std::set<std::string> fieldsOf(vtkUnstructuredGrid& grid) {
+  std::set<std::string> names;
+  const std::array<vtkDataSetAttributes*, 2> both{grid.GetPointData(), grid.GetCellData()};
+  for (vtkDataSetAttributes* data : both) {
+    for (int i = 0; i < data->GetNumberOfArrays(); ++i) {
+      const char* name = data->GetArrayName(i);
+      if (name && !std::string_view(name).starts_with("vtkGhost"))
+        names.insert(name);
+    }
+  }
+  return names;
+}
+
+/// Joined, blocks have only what is in all of them.
+void notePartialFields(const std::vector<vtkUnstructuredGrid*>& grids, VtkVolume& volume) {
+  std::map<std::string, int> counts;
+  for (vtkUnstructuredGrid* grid : grids) {
+    for (const std::string& name : fieldsOf(*grid)) ++counts[name];
+  }
+  const auto all = static_cast<int>(grids.size());
+  for (const auto& [name, count] : counts) {
+    if (count < all)
+      volume.partial[name] = count;
+  }
+}
+
 /// The grids as one, points at the same place as one; ghost cells and their points left out.
-Result<vtkSmartPointer<vtkUnstructuredGrid>> joined(const std::vector<vtkUnstructuredGrid*>& grids,
-                                                    const std::string& file,
-                                                    const ErrorWatch& watch) {
+Status join(const std::vector<vtkUnstructuredGrid*>& grids, const std::string& file,
+            const ErrorWatch& watch, VtkVolume& volume) {
   if (grids.empty()) {
     return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume; expected a mesh of them",
                 file);
   }
-  for (vtkUnstructuredGrid* grid : grids) grid->RemoveGhostCells();
-  if (grids.size() == 1)
-    return vtkSmartPointer<vtkUnstructuredGrid>(grids[0]);
+  volume.blocks = static_cast<int>(grids.size());
+  notePartialFields(grids, volume);
+  for (vtkUnstructuredGrid* grid : grids) {
+    const vtkIdType before = grid->GetNumberOfCells();
+    grid->RemoveGhostCells();
+    volume.ghosts += static_cast<std::uint64_t>(before - grid->GetNumberOfCells());
+  }
+  if (grids.size() == 1) {
+    volume.grid = grids[0];
+    return {};
+  }
   vtkNew<vtkAppendFilter> append;
   append->MergePointsOn();
   append->SetTolerance(0);
   for (vtkUnstructuredGrid* grid : grids) append->AddInputData(grid);
   append->Update();
   VOLUTE_TRY(watch.status(file));
-  return vtkSmartPointer<vtkUnstructuredGrid>(append->GetOutput());
+  volume.grid = append->GetOutput();
+  return {};
 }
 
 Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path& path,
@@ -200,8 +250,8 @@ Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& s
     }
   }
   VtkVolume volume;
-  volume.blocks = static_cast<int>(grids.size());
-  VOLUTE_ASSIGN(volume.grid, joined(grids, path.string(), watch));
+  VOLUTE_TRY(join(grids, path.string(), watch, volume));
+  volume.ghosts = 0;  // each is a cell of another piece
   return volume;
 }
 
@@ -235,14 +285,32 @@ Status checkLastLine(const std::filesystem::path& path) {
 
 }  // namespace
 
+void tellApart(std::vector<MeshFieldSummary>& fields) {
+  std::vector<GridEntry> names;
+  for (const MeshFieldSummary& field : fields) names.push_back({field.name, "", true});
+  tellApart(names, [&](std::size_t i) { return fields[i].ofCells; });
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    std::ranges::fill(fields[i].name, '\0');
+    names[i].name.copy(fields[i].name, MeshSize::kMaxName);
+  }
+}
+
+std::string partialText(const VtkVolume& volume) {
+  std::string text;
+  for (const auto& [name, count] : volume.partial)
+    text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", name, count);
+  return text.empty() ? "" : fmt::format("{} of {} blocks", text, volume.blocks);
+}
+
 Result<std::vector<double>> readVtkTimes(const std::filesystem::path& path) {
   if (extensionOf(path) == ".pvtu")
     return std::vector<double>{0};
   if (extensionOf(path) == ".case")
     VOLUTE_TRY(checkEnsightCase(path));
   if (extensionOf(path) == ".foam") {
-    VOLUTE_TRY(checkFoamDecomposed(path));
+    VOLUTE_TRY(checkFoamMesh(path));
     VOLUTE_TRY(checkFoamKinds(path));
+    VOLUTE_TRY(checkFoamByteOrder(path));
   }
   const ErrorWatch watch;
   const auto reader = readerOf(path);
@@ -293,6 +361,7 @@ Result<MeshHead> readVtkHead(const std::filesystem::path& path) {
       summary.components = field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS());
     }
   }
+  tellApart(head.fields);
   return head;
 }
 
@@ -312,10 +381,10 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t f
   VtkVolume volume;
   if (kind == ".vtu") {
     VOLUTE_ASSIGN(const auto grid, readVtu(path, watch));
-    VOLUTE_ASSIGN(volume.grid, joined(volumesOf(grid), file, watch));
+    VOLUTE_TRY(join(volumesOf(grid), file, watch, volume));
     return volume;
   }
-  const auto reader = readerOf(path);
+  const auto reader = readerOf(path, field);
   const auto times = timesOf(*reader);
   VOLUTE_TRY(statusOfCase(watch, path));
   if (frame >= times.size()) {
@@ -329,8 +398,7 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t f
   VOLUTE_TRY(statusOfCase(watch, path));
   VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));
   const auto grids = volumesOf(reader->GetOutputDataObject(0));
-  volume.blocks = static_cast<int>(grids.size());
-  VOLUTE_ASSIGN(volume.grid, joined(grids, file, watch));
+  VOLUTE_TRY(join(grids, file, watch, volume));
   return volume;
 }
 

@@ -6,7 +6,9 @@
 #include <vtkUnstructuredGrid.h>
 #include <vtkXMLReader.h>
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,7 +34,15 @@ struct VtkVolume {
   vtkSmartPointer<vtkUnstructuredGrid> grid;  ///< all blocks as one
   double time = 0;                            ///< [s]
   int blocks = 1;                             ///< with volumes
+  std::map<std::string, int> partial{};       ///< fields that not all blocks have, and how many do
+  std::uint64_t ghosts = 0;                   ///< cells that are marked as such, and left out
 };
+
+/// Calls fields of points and of cells that have one name "NAME (points)" and "NAME (cells)".
+void tellApart(std::vector<MeshFieldSummary>& fields);
+
+/// Fields that not all blocks have, for people.
+std::string partialText(const VtkVolume& volume);
 
 /// `field` is what will be taken of it, empty where that is not known yet. `share`: which pieces of
 /// a .pvtu; kUnsupported of other files, and where it has fewer pieces than shares.

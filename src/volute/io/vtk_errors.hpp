@@ -83,7 +83,9 @@ inline vtkStandardNewMacro(ErrorWindow)
   Status status(const std::string& file) const {
     if (window_->first.empty())
       return {};
-    return fail(ErrorCode::kInvalidData, "{}: not a whole file: {}", file, window_->first);
+    return fail(ErrorCode::kInvalidData,
+                "{}: cannot be read: {} (VTK); it is damaged, or has what is not read here", file,
+                window_->first);
   }
 
  private:

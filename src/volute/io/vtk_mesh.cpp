@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "volute/base/file_name.hpp"
@@ -43,6 +45,27 @@ void listFields(vtkDataSetAttributes* data, bool ofCells, std::vector<GridEntry>
     names.push_back({array->GetName(), fmt::format("{}, of {}", what, ofCells ? "cells" : "points"),
                      components == 1});
     fields.push_back({array, ofCells});
+  }
+}
+
+void listFields(vtkUnstructuredGrid* grid, std::vector<GridEntry>& names,
+                std::vector<Field>& fields) {
+  listFields(grid->GetPointData(), false, names, fields);
+  listFields(grid->GetCellData(), true, names, fields);
+  tellApart(names, [&](std::size_t i) { return fields[i].ofCells; });
+}
+
+/// Calls each(place) for the points of a cell, places in a list as appendCell() makes it.
+template <class Each>
+void forPoints(CellShape shape, std::span<const std::int64_t> cell, const Each& each) {
+  if (shape != CellShape::kPolyhedron) {
+    for (std::size_t i = 0; i < cell.size(); ++i) each(i);
+    return;
+  }
+  for (std::size_t at = 1; at < cell.size();) {  // faces, each with its count before it
+    const std::size_t end = std::min(
+        cell.size(), at + 1 + static_cast<std::size_t>(std::max<std::int64_t>(cell[at], 0)));
+    for (++at; at < end; ++at) each(at);
   }
 }
 
@@ -145,14 +168,19 @@ class VtkMeshReader final : public MeshReader {
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
-    listFields(grid->GetPointData(), false, names, fields);
-    listFields(grid->GetCellData(), true, names, fields);
+    listFields(grid, names, fields);
+    if (volume.partial.contains(wanted) || (names.empty() && !volume.partial.empty())) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: its blocks have not the same fields: {}; expected the field in all of them",
+                  file, partialText(volume));
+    }
     VOLUTE_ASSIGN(const std::size_t chosen,
                   chooseGrid(names, wanted, file, {.noun = "field", .expected = "a scalar"}));
     data_ = {};
     data_.field = names[chosen].name;
     data_.others = otherGrids(names, chosen, MeshSize::kMaxName);
     data_.ofCells = fields[chosen].ofCells;
+    data_.ghosts = volume.ghosts;
     if (wanted.empty() && extensionOf(path) == ".case")
       VOLUTE_TRY(checkEnsight(path, data_.field, volume.time));
     if (extensionOf(path) == ".foam")
@@ -169,9 +197,9 @@ class VtkMeshReader final : public MeshReader {
     vtkUnstructuredGrid* grid = volume.grid;
     std::vector<GridEntry> names;
     std::vector<Field> fields;
-    listFields(grid->GetPointData(), false, names, fields);
-    listFields(grid->GetCellData(), true, names, fields);
+    listFields(grid, names, fields);
     data_ = {};
+    data_.ghosts = volume.ghosts;
     VOLUTE_TRY(copyCells(grid, {}, path.string()));
     MeshContents contents;
     contents.size = sizeOfData();
@@ -180,8 +208,10 @@ class VtkMeshReader final : public MeshReader {
       ++contents.shapes[static_cast<std::size_t>(shape)];
     contents.surfaces = static_cast<std::uint64_t>(grid->GetNumberOfCells()) - contents.size.cells;
     contents.blocks = volume.blocks;
+    partialText(volume).copy(contents.partial, MeshSize::kMaxName);
     std::vector<MeshFieldSummary> summaries;
     for (const Field& field : fields) summaries.push_back(summaryOf(field));
+    tellApart(summaries);
     return std::pair(contents, std::move(summaries));
   }
 
@@ -196,6 +226,7 @@ class VtkMeshReader final : public MeshReader {
     size.points = data_.soup.vertices.size();
     size.cells = data_.soup.shapes.size();
     size.indices = data_.soup.connectivity.size();
+    size.ghosts = data_.ghosts;
     size.hasDimensions = data_.dimensions.has_value();
     size.dimensions = data_.dimensions.value_or(size.dimensions);
     return size;
@@ -212,6 +243,7 @@ class VtkMeshReader final : public MeshReader {
     for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
       grid->GetPoint(i, data_.soup.vertices[static_cast<std::size_t>(i)].data());
     vtkNew<vtkIdList> ids;
+    std::vector<vtkIdType> leftOut;  // points of cells without a volume
     const auto cells = static_cast<std::size_t>(grid->GetNumberOfCells());
     data_.soup.shapes.reserve(cells);
     data_.soup.offsets.reserve(cells + 1);
@@ -222,8 +254,11 @@ class VtkMeshReader final : public MeshReader {
     for (vtkIdType i = 0; i < grid->GetNumberOfCells(); ++i) {
       VOLUTE_ASSIGN(const auto shape, shapeOf(grid->GetCellType(i), file));
       VOLUTE_TRY(checkPointCount(grid, i, file));
-      if (!shape)
+      if (!shape) {
+        grid->GetCellPoints(i, ids);
+        for (vtkIdType k = 0; k < ids->GetNumberOfIds(); ++k) leftOut.push_back(ids->GetId(k));
         continue;
+      }
       appendCell(grid, i, ids, data_.soup.connectivity);
       data_.soup.shapes.push_back(*shape);
       data_.soup.offsets.push_back(static_cast<std::int64_t>(data_.soup.connectivity.size()));
@@ -232,7 +267,54 @@ class VtkMeshReader final : public MeshReader {
     }
     for (vtkIdType i = 0; field.array && !field.ofCells && i < expected; ++i)
       data_.values.push_back(static_cast<float>(field.array->GetComponent(i, 0)));
+    if (extensionOf(file) == ".case") {
+      // VTK leaves out ghost elements (g_hexa8 and so on), and their points in.
+      leftOut.resize(data_.soup.vertices.size());
+      std::iota(leftOut.begin(), leftOut.end(), 0);
+    }
+    if (!leftOut.empty())
+      dropPoints(leftOut, field.array && !field.ofCells);
     return {};
+  }
+
+  /// Those of cells without a volume that no other cell has.
+  void dropPoints(std::span<const vtkIdType> leftOut, bool withValues) {
+    CellSoup& soup = data_.soup;
+    constexpr std::int64_t kUsed = -1, kDropped = -2;
+    std::vector<std::int64_t> place(soup.vertices.size(), kUsed);
+    for (const vtkIdType point : leftOut) place[static_cast<std::size_t>(point)] = kDropped;
+    const auto forAll = [&](const auto& each) {
+      for (std::size_t i = 0; i < soup.shapes.size(); ++i) {
+        const auto cell =
+            std::span(soup.connectivity)
+                .subspan(static_cast<std::size_t>(soup.offsets[i]),
+                         static_cast<std::size_t>(soup.offsets[i + 1] - soup.offsets[i]));
+        forPoints(soup.shapes[i], cell, [&](std::size_t k) { each(cell[k]); });
+      }
+    };
+    const auto isPoint = [&](std::int64_t id) {
+      return id >= 0 && id < static_cast<std::int64_t>(place.size());
+    };
+    forAll([&](std::int64_t id) {
+      if (isPoint(id))
+        place[static_cast<std::size_t>(id)] = kUsed;
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < place.size(); ++i) {
+      if (place[i] == kDropped)
+        continue;
+      soup.vertices[kept] = soup.vertices[i];
+      if (withValues)
+        data_.values[kept] = data_.values[i];
+      place[i] = static_cast<std::int64_t>(kept++);
+    }
+    soup.vertices.resize(kept);
+    if (withValues)
+      data_.values.resize(kept);
+    forAll([&](std::int64_t& id) {
+      if (isPoint(id))
+        id = place[static_cast<std::size_t>(id)];
+    });
   }
 
   MeshData data_;

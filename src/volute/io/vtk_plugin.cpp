@@ -36,6 +36,7 @@ namespace {
 
 /// An array of the file and what its values belong to.
 struct ArrayEntry {
+  std::string name{};  ///< in the file
   bool cells = false;
   int components = 0;
   int type = VTK_FLOAT;
@@ -53,13 +54,14 @@ void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
     vtkInformation* field = fields->GetInformationObject(i);
     const char* name = field->Get(vtkDataObject::FIELD_NAME());
     const int components = field->Get(vtkDataObject::FIELD_NUMBER_OF_COMPONENTS());
-    if (!name)
+    if (!name || std::string_view(name).starts_with("vtkGhost"))
       continue;
     const auto what = components == 1 ? "scalar" : fmt::format("vector of {}", components);
     arrays.names.push_back({name, fmt::format("{}, of {}", what, cells ? "cells" : "points"),
                             components == 1 || components == 3});
     const auto type = vtkDataObject::FIELD_ARRAY_TYPE();
-    arrays.entries.push_back({cells, components, field->Has(type) ? field->Get(type) : VTK_FLOAT});
+    arrays.entries.push_back(
+        {name, cells, components, field->Has(type) ? field->Get(type) : VTK_FLOAT});
   }
 }
 
@@ -74,6 +76,7 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   Arrays arrays;
   listArrays(information, true, arrays);
   listArrays(information, false, arrays);
+  tellApart(arrays.names, [&](std::size_t i) { return arrays.entries[i].cells; });
   VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file, {.usual = usual}));
   entry = arrays.entries[index];
   LatticeFrame frame;
@@ -230,7 +233,7 @@ class VtkReader final : public LatticeReader {
     reader->GetPointDataArraySelection()->DisableAllArrays();
     reader->GetCellDataArraySelection()->DisableAllArrays();
     (entry.cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection())
-        ->EnableArray(frame.grid);
+        ->EnableArray(entry.name.c_str());
     // Of the file's layers those that are asked for.
     IndexBox part = frame.box;
     part.begin[2] = std::max(part.begin[2], box.begin[2]);
@@ -249,7 +252,7 @@ class VtkReader final : public LatticeReader {
     vtkImageData* image = reader->GetOutput();
     auto* data = entry.cells ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
                              : image->GetPointData();
-    vtkDataArray* array = data->GetArray(frame.grid);
+    vtkDataArray* array = data->GetArray(entry.name.c_str());
     const bool there = std::equal(std::begin(extent), std::end(extent), image->GetExtent());
     const std::int64_t voxels = part.size(0) * part.size(1) * part.size(2);
     if (!array || !there || array->GetNumberOfTuples() != voxels ||

@@ -351,6 +351,13 @@ class SightField {
   /// Remarks of the reader of the files.
   virtual std::vector<Remark> remarks() const { return {}; }
 
+  /// The largest extinction of all that was read so far [1/m]; nothing: not judged.
+  virtual std::optional<double> largestRead() const { return std::nullopt; }
+
+  /// What an extinction of at most so much at all times that were looked at comes to [1/m]: whether
+  /// the quantity and its unit can be right.
+  virtual std::vector<Remark> remarksOn(double /*largest*/) const { return {}; }
+
   /// When it is stored [s], ascending.
   virtual std::span<const double> times() const = 0;
 

@@ -47,7 +47,11 @@ std::string bytesText(std::uint64_t bytes) {
 }
 
 std::string vectorText(const Vec3& v) {
-  return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+  // In a map's coordinates six digits are not enough for metres.
+  const auto text = [](double value) {
+    return std::abs(value) < 1e5 ? fmt::format("{:.6g}", value) : fmt::format("{:.9g}", value);
+  };
+  return fmt::format("{}, {}, {}", text(v.x()), text(v.y()), text(v.z()));
 }
 
 nlohmann::ordered_json vectorJson(const Vec3& v) {

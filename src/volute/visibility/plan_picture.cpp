@@ -78,7 +78,7 @@ double niceStep(double range, int most) {
 }
 
 std::string tickText(double value) {
-  return fmt::format("{:g}", std::abs(value) < 1e-9 ? 0.0 : std::round(value * 1e6) / 1e6);
+  return fmt::format("{:.10g}", std::abs(value) < 1e-9 ? 0.0 : std::round(value * 1e6) / 1e6);
 }
 
 /// From metres to pixels.

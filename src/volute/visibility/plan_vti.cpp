@@ -59,7 +59,7 @@ Status writePlanCsv(const std::filesystem::path& path, const FloorPlan& plan,
     if (!plan.walkable(i))
       continue;
     const Vec3 at = plan.at(i);
-    fmt::format_to(std::back_inserter(text), "{:.6g},{:.6g},{:.6g}", at.x(), at.y(), at.z());
+    fmt::format_to(std::back_inserter(text), "{:.10g},{:.10g},{:.10g}", at.x(), at.y(), at.z());
     for (const PlanArray& array : arrays) {
       if (std::isnan(array.values[i]))
         text += ",";

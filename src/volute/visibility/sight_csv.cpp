@@ -33,6 +33,15 @@ void appendField(std::string& out, double value) {
   append(out, static_cast<float>(value));
 }
 
+/// Ten digits: a place in a map's coordinates is some million metres from their origin.
+void appendPlace(std::string& out, double value) {
+  char text[32];
+  const auto [end, error] =
+      std::to_chars(text, text + sizeof text, value, std::chars_format::general, 10);
+  out += ',';
+  out.append(text, end);
+}
+
 void appendFlag(std::string& out, bool flag) {
   out += flag ? ",1" : ",0";
 }
@@ -183,7 +192,7 @@ Result<SightRows> SightRowMaker::make(double time, std::span<const Vec3> eyes,
     text.reserve((end - begin) * signs.size() * 128);
     for (std::size_t i = begin; i < end; ++i) {
       std::string head = when;
-      for (int axis = 0; axis < 3; ++axis) appendField(head, eyes[i][axis]);
+      for (int axis = 0; axis < 3; ++axis) appendPlace(head, eyes[i][axis]);
       head += ',';
       for (std::size_t s = 0; s < signs.size(); ++s)
         appendRow(text, head, names[s], sightings[s * eyes.size() + i]);

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "volute/base/gather_values.hpp"
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/output_folder.hpp"
 #include "volute/base/parallel.hpp"
@@ -154,6 +155,7 @@ class Job {
           return seen.give(i, std::move(bytes));
         },
         [&] { return seen.finish(); }));
+    VOLUTE_TRY(remarkOnAll());
     VOLUTE_TRY(team_.agree(team_.leads() ? finish() : Status()));
     SurveySummary summary{0, survey_.times, 0, 0, {}};
     if (team_.leads()) {
@@ -187,6 +189,17 @@ class Job {
   static constexpr std::size_t paddedSize(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 
   static_assert(sizeof(Lengths) % 8 == 0 && sizeof(Sighting) == 48);
+
+  /// On the largest extinction of all ranks' times.
+  Status remarkOnAll() {
+    const double own = field_.largestRead().value_or(-1);
+    VOLUTE_ASSIGN(const auto all, gatherValues(team_, std::span(&own, 1)));
+    const double largest = std::ranges::max(all);
+    if (!team_.leads() || largest < 0)
+      return {};
+    for (const Remark& remark : field_.remarksOn(largest)) log_.remark(remark);
+    return {};
+  }
 
   Status openFolder() {
     if (!team_.leads())

@@ -115,8 +115,10 @@ std::string unknownWords(const FirstLoss& loss, std::string_view reached, std::s
 std::string timeWords(const FirstLoss& loss, RoundTime round) {
   if (loss.down == loss.up)
     return fmt::format("{:.4g} s", loss.none);
-  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {:.3g} s)",
-                     loss.by(round), loss.down, loss.up, loss.none);
+  const double whole = std::max(1.0, std::round(loss.none));  // of long fires all seconds
+  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {} s)", loss.by(round),
+                     loss.down, loss.up,
+                     whole < 1000 ? fmt::format("{:.3g}", loss.none) : fmt::format("{:g}", whole));
 }
 
 std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::string_view reached) {
@@ -131,7 +133,12 @@ std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::st
 }
 
 std::string placeWords(const Vec3& place) {
-  return fmt::format("x = {:.3g}, y = {:.3g}, z = {:.3g} m", place[0], place[1], place[2]);
+  // Three digits, and tenths of metres where they are far from the origin.
+  const auto text = [](double value) {
+    return std::abs(value) < 100 ? fmt::format("{:.3g}", value)
+                                 : fmt::format("{:.10g}", std::round(10 * value) / 10);
+  };
+  return fmt::format("x = {}, y = {}, z = {} m", text(place[0]), text(place[1]), text(place[2]));
 }
 
 Json verdictJson(const std::string& criterion, const std::string& sentence, const FirstLoss& loss,

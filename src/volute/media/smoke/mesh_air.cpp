@@ -72,6 +72,10 @@ std::optional<Conversion> conversionOf(const UsualField& usual, std::string_view
   return unit == "kg/kg" ? std::optional(Conversion{kAir / usual.molarMass, 0}) : std::nullopt;
 }
 
+bool isOfGas(const UsualField& usual) {
+  return usual.molarMass > 0;
+}
+
 std::string_view unitsOf(const UsualField& usual) {
   return usual.quantity == "temperature"    ? "K or C"
          : usual.quantity == "radiant-flux" ? "kW/m2 or W/m2"
@@ -81,8 +85,11 @@ std::string_view unitsOf(const UsualField& usual) {
 /// A field of a mesh as a quantity of the air.
 class MeshPoints final : public PointField {
  public:
-  MeshPoints(MeshSource source, MeshAirField named, Conversion conversion)
-      : source_(std::move(source)), named_(std::move(named)), conversion_(conversion) {}
+  MeshPoints(MeshSource source, MeshAirField named, Conversion conversion, bool ofGas)
+      : source_(std::move(source)),
+        named_(std::move(named)),
+        conversion_(conversion),
+        ofGas_(ofGas) {}
 
   std::string description() const override {
     return fmt::format("{} (field '{}' in {})", named_.quantity, named_.field, named_.unit);
@@ -108,11 +115,31 @@ class MeshPoints final : public PointField {
   }
 
  private:
+  /// Of a gas: no air has more of it than all. Less than none is what schemes of a solver leave,
+  /// unless it is much.
+  Status checkGas(std::span<const float> values, std::size_t number) const {
+    constexpr double kAll = 1.001, kLittle = 1e-4, kShare = 0.01;  // [mol/mol], of the largest
+    const auto [least, most] = std::ranges::minmax(values);
+    const double low = conversion_.factor * least, high = conversion_.factor * most;
+    if (high <= kAll && low >= -std::max(kLittle, kShare * high))
+      return {};
+    return fail(
+        ErrorCode::kInvalidData, Hint::set("air_fields"),
+        "{}: field '{}' is {:g} at {:g} s, as {} {:.4g} mol/mol; expected 0 to 1: state its "
+        "unit, as {}={}:%",
+        source_.path().string(), named_.field, high > kAll ? most : least, times()[number],
+        named_.unit, high > kAll ? high : low, named_.quantity, named_.field);
+  }
+
   /// The values of a stored time; TetSightSnapshot interpolates whatever they are.
   Result<std::shared_ptr<const TetSightSnapshot>> frame(std::size_t number) {
     if (const auto kept = kept_.find(number); kept != kept_.end())
       return kept->second;
     VOLUTE_ASSIGN(auto read, source_.read(number));
+    if (ofGas_) {
+      VOLUTE_TRY(checkGas(read.values, number));
+      for (float& value : read.values) value = std::max(value, 0.0F);
+    }
     if (!locator_ || &locator_->mesh() != read.mesh.get())
       locator_ = std::make_shared<const TetLocator>(read.mesh);
     if (kept_.size() == 2)
@@ -124,9 +151,29 @@ class MeshPoints final : public PointField {
   MeshSource source_;
   MeshAirField named_;
   Conversion conversion_;
+  bool ofGas_;
   std::shared_ptr<const TetLocator> locator_;                            // of the last mesh
   std::map<std::size_t, std::shared_ptr<const TetSightSnapshot>> kept_;  // two at most
 };
+
+/// A scalar that is not there at the first time of a case, but later.
+template <class Wanted>
+std::optional<MeshFieldSummary> laterField(const MeshSource& mesh, const Wanted& wanted) {
+  for (const auto& names : mesh.fieldNames()) {
+    const auto name = std::ranges::find_if(names, wanted);
+    if (name == names.end())
+      continue;
+    const auto source = mesh.withField(*name, Negatives::kKeep);
+    const auto described = source ? source->describe(0) : tl::unexpected(source.error());
+    if (!described)
+      return std::nullopt;
+    const auto field = std::ranges::find_if(
+        described->fields, [&](const MeshFieldSummary& one) { return one.name == *name; });
+    const bool found = field != described->fields.end() && field->components == 1;
+    return found ? std::optional(*field) : std::nullopt;
+  }
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -174,18 +221,20 @@ Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
   const UsualField* usual = usualField(quantity);
   const auto said = std::ranges::find(named, quantity, &MeshAirField::quantity);
   MeshAirField one{std::string(quantity), "", ""};
-  const MeshFieldSummary* summary = nullptr;
+  const auto wanted = [&](std::string_view name) {
+    if (said != named.end())
+      return name == said->field;
+    return usual != nullptr &&
+           std::ranges::find(usual->names, lowerCase(name)) != usual->names.end();
+  };
+  std::optional<MeshFieldSummary> summary;
   for (const MeshFieldSummary& field : fields) {
-    if (usual == nullptr || field.components != 1)
-      continue;
-    const bool wanted =
-        said != named.end()
-            ? field.name == said->field
-            : std::ranges::find(usual->names, lowerCase(field.name)) != usual->names.end();
-    if (wanted && summary == nullptr)
-      summary = &field;
+    if (!summary && field.components == 1 && wanted(field.name))
+      summary = field;
   }
-  if (summary == nullptr) {
+  if (!summary)
+    summary = laterField(mesh, wanted);
+  if (!summary) {
     if (said != named.end())
       return fail(ErrorCode::kNotFound, "the mesh has no scalar field '{}'", said->field);
     return fail(ErrorCode::kNotFound, "the mesh has no field with a usual name of {}", quantity);
@@ -200,15 +249,17 @@ Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
                : foam                       ? "kg/kg"
                                             : "mol/mol";
   }
-  VOLUTE_ASSIGN(auto source, mesh.withField(one.field, Negatives::kClamp));
-  return std::make_unique<MeshPoints>(std::move(source), std::move(one),
-                                      *conversionOf(*usual, one.unit));
+  const bool ofGas = isOfGas(*usual);
+  VOLUTE_ASSIGN(auto source,
+                mesh.withField(one.field, ofGas ? Negatives::kKeep : Negatives::kClamp));
+  const Conversion conversion = *conversionOf(*usual, one.unit);
+  return std::make_unique<MeshPoints>(std::move(source), std::move(one), conversion, ofGas);
 }
 
 Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh, const std::string& field) {
   VOLUTE_ASSIGN(auto source, mesh.withField(field, Negatives::kKeep));
   return std::make_unique<MeshPoints>(std::move(source), MeshAirField{field, field, ""},
-                                      Conversion{});
+                                      Conversion{}, false);
 }
 
 }  // namespace volute

@@ -75,7 +75,9 @@ void addCells(Report& report, const MeshContents& contents) {
       .add("blocks", contents.blocks,
            contents.blocks > 1
                ? fmt::format("{}, joined where their points are the same", contents.blocks)
-               : "");
+               : "")
+      .add("ghosts", contents.size.ghosts,
+           contents.size.ghosts > 0 ? fmt::format("{} cells, left out", contents.size.ghosts) : "");
 }
 
 void addMesh(Report& report, const Result<std::shared_ptr<const TetMesh>>& mesh, bool& damaged) {
@@ -135,11 +137,10 @@ void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
 }
 
 /// What is not there at all times.
-void addPartial(Report& report, const MeshSource& source) {
+void addPartial(Report& report, const MeshSource& source, const char* partial) {
   OrderedJson list = OrderedJson::array();
   std::string text = source.absentText();
-  if (const std::string& said = source.contradiction(); !said.empty())
-    text += (text.empty() ? "" : "; ") + said;
+  for (const std::string& said : source.doubts()) text += (text.empty() ? "" : "; ") + said;
   std::vector<std::pair<std::string, std::size_t>> counts;
   const auto lists = source.fieldNames();
   for (const auto& names : lists) {
@@ -158,6 +159,8 @@ void addPartial(Report& report, const MeshSource& source) {
     text += fmt::format("{}{} is there at {} of {} times", text.empty() ? "" : "; ", name, count,
                         lists.size());
   }
+  if (partial[0] != 0)
+    text += fmt::format("{}{}", text.empty() ? "" : "; ", partial);
   report
       .add("absent_times",
            OrderedJson(std::vector<double>(source.absent().begin(), source.absent().end())), "")
@@ -196,7 +199,7 @@ Result<FileDescription> describeMeshCase(const std::string& path, bool values, R
     }
     reading.progress.report("reading", static_cast<double>(i + 1), static_cast<double>(count));
   }
-  addPartial(report, source);
+  addPartial(report, source, first.contents.partial);
   addFields(report, fields,
             count > 1 ? "over all instants" : fmt::format("at {} s", source.times().front()));
   return described;

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/smoke/mesh_sight.hpp"
 
+#include <algorithm>
+
 #include "volute/media/smoke/tet_sight.hpp"
 
 namespace volute {
@@ -14,7 +16,9 @@ std::string MeshSight::description() const {
 
 Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quantity) {
   // A list of fields costs reading the mesh once more.
-  if (smoke_->otherFields().empty() && air_.empty())
+  const auto later = smoke_->source().fieldNames();
+  const bool alone = std::ranges::all_of(later, [](const auto& names) { return names.size() < 2; });
+  if (smoke_->otherFields().empty() && air_.empty() && alone)
     return fail(ErrorCode::kNotFound, "the mesh has no field but '{}'", smoke_->fieldName());
   if (!fields_) {
     VOLUTE_ASSIGN(auto described, smoke_->source().describe(0));
@@ -28,6 +32,7 @@ Result<std::shared_ptr<const SightSnapshot>> MeshSight::readOwn(std::size_t time
   VOLUTE_ASSIGN(auto read, smoke_->extinctionAt(time, quiet));
   if (locator_ != read.locator)
     locator_ = read.locator, ++meshes_;
+  largest_ = std::max<double>(largest_, *std::ranges::max_element(read.values));
   return std::make_shared<const TetSightSnapshot>(locator_, std::move(read.values), meshes_);
 }
 

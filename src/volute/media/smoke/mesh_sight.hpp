@@ -23,6 +23,12 @@ class MeshSight final : public SightField {
 
   std::vector<Remark> remarks() const override { return smoke_->remarks; }
 
+  std::optional<double> largestRead() const override { return largest_; }
+
+  std::vector<Remark> remarksOn(double largest) const override {
+    return smoke_->remarksOn(largest, "");
+  }
+
   std::span<const double> times() const override { return smoke_->source().times(); }
 
   int numberOf(std::size_t time) const override { return smoke_->source().numberOf(time); }
@@ -38,6 +44,7 @@ class MeshSight final : public SightField {
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
   std::shared_ptr<const TetLocator> locator_;            // of the last mesh
   std::uint64_t meshes_ = 0;                             // how many there were
+  double largest_ = 0;                                   // that was read [1/m]
 };
 
 }  // namespace volute

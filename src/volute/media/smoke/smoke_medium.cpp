@@ -35,6 +35,18 @@ Result<MeshSource> openMesh(const std::string& file, const MeshOptions& options,
   return MeshSource::open(file, options);
 }
 
+/// Of a mesh that is hardly in metres.
+std::string doubtOfSize(const Box3& bounds) {
+  constexpr double kHigh = 300;  // [m] the smallest extent of no building's, nor of many plumes
+  const Vec3 size = bounds.size();
+  if (!(size.minCoeff() >= kHigh))
+    return "";
+  return fmt::format(
+      "the mesh is {:.4g} x {:.4g} x {:.4g} m large; expected metres: in millimetres it would be "
+      "{:.4g} x {:.4g} x {:.4g} m",
+      size.x(), size.y(), size.z(), 1e-3 * size.x(), 1e-3 * size.y(), 1e-3 * size.z());
+}
+
 std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
   std::vector<float> out(a.size());
   interpolateFields(a, b, share, out);
@@ -64,7 +76,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
     reading.progress.remark(
         Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", description.file, absent))
             .in(description.file));
-  if (const std::string& said = files->source.contradiction(); !said.empty())
+  for (const std::string& said : files->source.doubts())
     reading.progress.remark(Remark(RemarkCode::kDoubtful, said).in(description.file));
   const std::shared_ptr<SmokeMedium> opened(new SmokeMedium(description, std::move(files)));
   SmokeMedium& medium = *opened;
@@ -82,9 +94,18 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   }
   VOLUTE_ASSIGN(const auto extinction, medium.extinctionOf(*stored));
   VOLUTE_ASSIGN(const double most, medium.largestOf(extinction));
-  medium.remarkOn(*stored, most);
   const MeshFrame& frame = stored->frame;
   medium.files_->field = frame.field, medium.files_->otherFields = frame.others;
+  medium.remarkOn(*stored, most);
+  const auto doubt = [&](const std::string& what) {
+    if (!what.empty())
+      reading.progress.remark(
+          Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", description.file, what))
+              .in(description.file));
+  };
+  if (const std::string unit = compareUnitInName(frame.field, description.model); !unit.empty())
+    doubt(fmt::format("field '{}': {}", frame.field, unit));
+  doubt(doubtOfSize(medium.bounds_));
   if (frame.dimensions) {
     VOLUTE_ASSIGN(const std::string unit,
                   compareDimensions(*frame.dimensions, description.model,
@@ -238,30 +259,45 @@ Result<double> SmokeMedium::largestOf(std::span<const float> extinction) {
   return std::ranges::max(all);
 }
 
-/// What the choice of quantity and unit comes to, at the first step with smoke.
+/// At the first step with smoke.
 void SmokeMedium::remarkOn(const Stored& stored, double most) {
-  if (remarked_ || !(most > 0))
-    return;
+  if (remarked_ || (!(most > 0) && files_->source.times().size() > 1))
+    return;  // many a case begins without smoke
   remarked_ = true;
   largest_ = most;
+  for (Remark& remark : remarksOn(most, fmt::format("step {}: ", stored.index)))
+    progress_->remark(std::move(remark));
+}
+
+std::vector<Remark> SmokeMedium::remarksOn(double largest, const std::string& when) const {
+  const std::string& file = description_.file;
+  if (!(largest > 0)) {
+    return {Remark(RemarkCode::kDoubtful,
+                   fmt::format("{}: {}field '{}' is 0 everywhere: there is no smoke", file, when,
+                               fieldName()))
+                .in(file)};
+  }
   const SmokeModel& model = description_.model;
-  const double soot = model.sootDensity(most);
-  progress_->remark(fmt::format(
+  const double soot = model.sootDensity(largest);
+  std::vector<Remark> remarks{Remark(fmt::format(
       "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
       "up to {:.2g} kg/m3",
-      description_.file, stored.frame.field, nameOf(model.quantity), most,
-      description_.law.c / most, description_.law.c, soot));
+      file, fieldName(), nameOf(model.quantity), largest, description_.law.c / largest,
+      description_.law.c, soot))};
   if (soot > kMuchSoot) {
-    progress_->remark(
-        {RemarkCode::kDoubtful, fmt::format("that is much for soot (fires in rooms: 1e-6 to 1e-3 "
-                                            "kg/m3); check the quantity and the "
-                                            "unit")});
+    remarks.push_back(Remark(RemarkCode::kDoubtful,
+                             fmt::format("{}: that is much for soot (fires in rooms: 1e-6 to 1e-3 "
+                                         "kg/m3); check the quantity and the unit",
+                                         file))
+                          .in(file));
   }
-  remarkOnThinSmoke(stored, most);
+  addThinSmoke(largest, when, remarks);
+  return remarks;
 }
 
 /// A unit that is too small makes a whole fire look like clear air.
-void SmokeMedium::remarkOnThinSmoke(const Stored& stored, double most) {
+void SmokeMedium::addThinSmoke(double most, const std::string& when,
+                               std::vector<Remark>& remarks) const {
   const double depth = most * bounds_.size().norm();
   const SmokeModel& model = description_.model;
   const bool clear = depth <= kThinDepth;
@@ -281,13 +317,12 @@ void SmokeMedium::remarkOnThinSmoke(const Stored& stored, double most) {
       break;
     }
   }
-  progress_->remark(
+  remarks.push_back(
       Remark(RemarkCode::kDoubtful,
-             fmt::format("{}: step {}: {}: no ray through the whole case meets an optical "
-                         "depth above {:.2g}, which takes {:.2g} % of the light (soot in rooms on "
-                         "fire: 1e-6 to "
-                         "1e-3 kg/m3); {}",
-                         description_.file, stored.index,
+             fmt::format("{}: {}{}: no ray through the whole case meets an optical depth above "
+                         "{:.2g}, which takes {:.2g} % of the light (soot in rooms on fire: 1e-6 "
+                         "to 1e-3 kg/m3); {}",
+                         description_.file, when,
                          clear ? "this looks like clear air" : "this is little for a fire", depth,
                          -100 * std::expm1(-depth), slip))
           .in(description_.file));
@@ -325,6 +360,13 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
         Remark(RemarkCode::kChanged, fmt::format("{}: step {}: {} negative values taken as 0",
                                                  description_.file, index, frame.clamped))
             .in(description_.file));
+  }
+  if (frame.ghosts > 0 && index == 0) {
+    progress_->remark(Remark(RemarkCode::kLeftOut,
+                             fmt::format("{}: {} cells that it marks as ghosts (vtkGhostType) are "
+                                         "left out, as if another file had them",
+                                         description_.file, frame.ghosts))
+                          .in(description_.file));
   }
   counts_.clamped += frame.clamped;
   ++counts_.stepsRead;

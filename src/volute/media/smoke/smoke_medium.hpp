@@ -179,6 +179,10 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   /// Of the first step with smoke [1/m]; 0 before one was read.
   double largestExtinction() const { return largest_; }
 
+  /// What the choice of quantity and unit comes to for smoke of at most so much extinction [1/m].
+  /// `when` is put before the sentence of a doubt; may be empty.
+  std::vector<Remark> remarksOn(double largest, const std::string& when) const;
+
   /// What --frames calls a step.
   int numberOf(int step) const { return files_->source.numberOf(static_cast<std::size_t>(step)); }
 
@@ -246,7 +250,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Status checkShare(const Stored& stored) const;
   [[nodiscard]] Result<double> largestOf(std::span<const float> extinction);
   void remarkOn(const Stored& stored, double most);
-  void remarkOnThinSmoke(const Stored& stored, double most);
+  void addThinSmoke(double most, const std::string& when, std::vector<Remark>& remarks) const;
 
   SmokeDescription description_;
   std::shared_ptr<Files> files_;

@@ -4,6 +4,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "volute/io/unit.hpp"
+
 namespace volute {
 namespace {
 
@@ -66,6 +70,27 @@ std::vector<std::string> wordsOf(const SmokeModel& model) {
     words.push_back(fmt::format("K = C / S, C = {:g}", model.c));
   }
   return words;
+}
+
+std::string compareUnitInName(std::string_view field, const SmokeModel& model) {
+  const std::size_t open = field.find_last_of("[(");
+  if (open == field.npos || !(field.ends_with(']') || field.ends_with(')')))
+    return "";
+  const std::string_view stated = field.substr(open + 1, field.size() - open - 2);
+  const std::string read = unitOfField(model);
+  if (stated.empty() || !isUnit(stated) || !isUnit(read))
+    return "";
+  const auto change = unitChange(stated, read);
+  if (!change)
+    return fmt::format("its name states {}, and it is read as {} [{}]", stated,
+                       nameOf(model.quantity), read);
+  const double factor = (*change)(1.0) - (*change)(0.0);
+  if (std::abs(factor - model.scale) <= 1e-6 * factor)
+    return "";
+  return fmt::format(
+      "its name states {}, of which one is {:g} {}, and it is read with a factor of "
+      "{:g}",
+      stated, factor, read, model.scale);
 }
 
 Result<std::string> compareDimensions(const std::array<double, 7>& stated, const SmokeModel& model,

@@ -30,6 +30,10 @@ double extinctionOfConcentration(const SmokeModel& model);
 /// "soot-density [g/m3]", "scale 2", "Km = 8700 m2/kg", "ys = 0.1".
 std::vector<std::string> wordsOf(const SmokeModel& model);
 
+/// What a unit in a field's name, as in "soot [mg/m3]", says against how its values are read;
+/// empty: nothing, or it names no unit.
+std::string compareUnitInName(std::string_view field, const SmokeModel& model);
+
 /// Compares the dimensions that a file states, powers of kg, m, s, K, mol, A and cd, with those of
 /// a field's quantity. An error where they are another quantity's, half a sentence where they say
 /// nothing (a number without dimensions) or the unit differs by a factor, empty where all is well.

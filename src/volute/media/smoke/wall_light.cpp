@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kTolerance = 5e-4;  ///< at three points of a patch, of the light without smoke
 constexpr double kFewPoints = 12;    ///< on a patch: to walk from each costs no more
-constexpr std::size_t kMostKept = std::size_t{1} << 23;  ///< walks of a view's points, 64 MiB
+constexpr std::size_t kMaxKept = std::size_t{1} << 23;  ///< walks of a view's points, 64 MiB
 constexpr double kInset = 1e-3;  ///< of a face: ways from its rim itself would go along other faces
 
 bool haveTheSameRays(const Camera& a, const Camera& b) {
@@ -500,7 +500,7 @@ void WallLight::shares(const Request& request, std::size_t lamp, std::size_t fac
       return known.walked[place];
     const auto found = walker.depths(point);
     const std::array<float, 2> depths{static_cast<float>(found[0]), static_cast<float>(found[1])};
-    if (keeps && place == known.walked.size() && state_->kept < kMostKept) {
+    if (keeps && place == known.walked.size() && state_->kept < kMaxKept) {
       known.walked.push_back(depths);
       ++state_->kept;
     }
