@@ -37,6 +37,19 @@ class Volumes(support.TestCase):
         self.assertEqual(sorted(self.files()), ["back.npy", "in.npy", "x.volute"])
         return rms, worst, said
 
+    def test_a_preset_says_what_it_decides_and_not_what_the_scene_states(self):
+        write_npy(self.path("a.npy"), (4, 4, 4), [float(i % 4 > 0) for i in range(64)])
+
+        def said(**entry):
+            self.path("scene.json").write_text(json.dumps({
+                "format": "volute-scene-2", "camera": {"eye": [-9, 2, 2], "target": [2, 2, 2], "fov": 40, "size": [8, 8]},
+                "media": [{"kind": "volume", "file": "a.npy", "preset": "smoke", **entry}]}))
+            return self.works("render", self.path("scene.json"), "-o", self.path("a.png")).message
+
+        self.assertRegex(said(), "smoke from .*, extinction [0-9.]+, albedo 0.9, asymmetry 0.3")
+        self.assertRegex(said(extinction=0.25), r"smoke from .*1\), albedo 0.9, asymmetry 0.3")
+        self.assertRegex(said(extinction=0.25, albedo=[0.5] * 3), r"smoke from .*1\), asymmetry 0.3")
+
     def test_coordinates_of_arrays_are_heights_and_directions(self):
         def written(*more, **how):
             self.path("a.nc").write_bytes(netcdf(**how))

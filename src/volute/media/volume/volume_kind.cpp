@@ -162,7 +162,8 @@ class VolumeKind final : public MediumKind {
                   applyPreset(looks                        ? VolumePreset::kAuto
                               : volume.appearance.transfer ? VolumePreset::kNone
                                                            : volume.preset,
-                              volume.file, input, volume.appearance, reading, frame));
+                              volume.file, input, volume.appearance, reading, frame,
+                              [&](const char* name) { return entry.contains(name); }));
     volume.input.grid = input.grid;
     VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
     Appearance& appearance = volume.appearance;

@@ -367,7 +367,8 @@ double rounded(double value) {
 
 Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, InputOptions& input,
                                  Appearance& appearance, Reading& reading,
-                                 const std::shared_ptr<LoneFrame>& frame) {
+                                 const std::shared_ptr<LoneFrame>& frame,
+                                 const std::function<bool(const char*)>& stated) {
   if (preset == VolumePreset::kNone)
     return preset;
   VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading, frame));
@@ -451,12 +452,16 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     appearance.albedo = Rgb::Constant(kSmokeAlbedo);
     appearance.asymmetry = kSmokeAsymmetry;
     appearance.colors = grids.findColors();
-    text = fmt::format(
-        "smoke from {}'{}' ({:.3g} to {:.3g}), extinction {:.3g}, albedo {:g}, asymmetry "
-        "{:g}",
-        grids.info().channels == 3 ? "the mean of the three channels of " : "", choice.density,
-        std::min(0.0, choice.densityRange.least), choice.densityRange.most, appearance.extinction,
-        kSmokeAlbedo, kSmokeAsymmetry);
+    text = fmt::format("smoke from {}'{}' ({:.3g} to {:.3g})",
+                       grids.info().channels == 3 ? "the mean of the three channels of " : "",
+                       choice.density, std::min(0.0, choice.densityRange.least),
+                       choice.densityRange.most);
+    for (const auto& [name, value] :
+         {std::pair("extinction", appearance.extinction), std::pair("albedo", kSmokeAlbedo),
+          std::pair("asymmetry", kSmokeAsymmetry)}) {
+      if (!stated || !stated(name))
+        text += fmt::format(", {} {:.3g}", name, value);
+    }
   }
   if (burns) {
     Flames flames;

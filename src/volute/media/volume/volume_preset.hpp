@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -24,11 +25,14 @@ enum class VolumePreset {
 /// remark what was chosen.
 /// @param input  its grid becomes the one that absorbs or, of fire alone, that burns
 /// @param frame  keeps what is read of a single frame
+/// @param stated  whether a member of the look is said, so that the preset does not decide it; may
+///                be empty: none is
 /// @return the preset, of kAuto the one it found. kInvalidArgument, with the names of its grids,
 /// where the volume lacks what the preset needs.
 [[nodiscard]] Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path,
                                                InputOptions& input, Appearance& appearance,
                                                Reading& reading,
-                                               const std::shared_ptr<LoneFrame>& frame);
+                                               const std::shared_ptr<LoneFrame>& frame,
+                                               const std::function<bool(const char*)>& stated = {});
 
 }  // namespace volute
