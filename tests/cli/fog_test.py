@@ -362,6 +362,23 @@ class Frames(FogCase):
                        "--path", "polar")
             self.assertEqual(self.difference("x.exr", "polar.exr"), 0, unserved)
 
+    def test_a_table_is_within_its_bound_however_far_the_eye(self):
+        rows = [[round(32000 * (1 + math.sin(0.15 * x) * math.cos(0.11 * y))) for x in range(128)] for y in range(128)]
+        write_planes(self.path("map.exr"), 128, 128, {"Y": [value / 65535 for row in rows for value in row]})
+        for away in (300, 3000, 10000):
+            scene = {"format": "volute-scene-2", "background": [1, 1, 1],
+                     "camera": {"eye": [64, -away, 0.03 * away], "target": [64, 64, 0],
+                                "fov": math.degrees(2 * math.atan(70 / away)), "size": [320, 240]},
+                     "media": [{"kind": "fog", "map": "map.exr", "sigma_max": 0.05, "color": [0, 0, 0],
+                                "profile": {"kind": "slab", "bottom": 0, "top": 10}}]}
+            for path in ("auto", "polar", "walk"):
+                scene["media"][0]["path"] = path
+                self.path("scene.json").write_text(json.dumps(scene))
+                self.works("render", self.path("scene.json"), "-o", self.path(f"{path}.exr"), "--renderer", "cpu",
+                           measured=False)
+            self.assertLess(self.difference("walk.exr", "auto.exr"), 1e-4, away)
+            self.assertLess(self.difference("walk.exr", "polar.exr"), 1e-4, away)
+
     def test_fine_maps_are_looked_up_in_pictures_and_walked_in_measurements(self):
         for size, looked_up in ((160, True), (64, False)):
             self.waves("map.png", size)

@@ -30,9 +30,18 @@ void PolarFog::radiance(std::span<const Segment> segments, std::span<Radiance> o
     z[i] = static_cast<float>(segments[i].direction.z());
     distance[i] = static_cast<float>(segments[i].end);
   }
-  table_.transmittance({eye_, x, y, z, distance}, transmittance);
-  for (std::size_t i = 0; i < count; ++i)
-    out[i] = {fog_.options().color * (1.0 - transmittance[i]), transmittance[i]};
+  table_.lookUp({eye_, x, y, z, distance}, transmittance);
+  std::vector<Segment> walked;
+  std::vector<std::size_t> where;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (transmittance[i] < 0)
+      where.push_back(i), walked.push_back(segments[i]);
+    else
+      out[i] = {fog_.options().color * (1.0 - transmittance[i]), transmittance[i]};
+  }
+  std::vector<Radiance> exact(walked.size());
+  fog_.radiance(walked, exact);
+  for (std::size_t i = 0; i < where.size(); ++i) out[where[i]] = exact[i];
 }
 
 }  // namespace volute

@@ -6,8 +6,8 @@
 
 namespace volute {
 
-/// Fog for pictures from one eye: segments that begin at the eye are looked up in a PolarTable
-/// (its error: PolarTable), all others are walked. Depths and pieces are the fog's own, exact.
+/// Fog for pictures from one eye: segments that begin at the eye are looked up in a PolarTable,
+/// within kPolarError, all others and those it does not serve are walked. Depths and pieces are the fog's own, exact.
 ///
 /// A Medium and FastMedium.
 class PolarFog {

@@ -3,6 +3,7 @@
 #include "volute/fog/polar_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -26,7 +27,8 @@ namespace volute {
 /// A table as the kernels want it.
 struct PolarLook {
   const float* entries = nullptr;
-  int stride = 2, azimuths = 0, radii = 0, sectors = 1;
+  const float* errors = nullptr;
+  int stride = 2, blocks = 1, azimuths = 0, radii = 0, sectors = 1;
   float cosYaw = 1, sinYaw = 0, tangent = 1, perQ = 1;
   float from = 0, to = 0, perMetre = 1, step = 1, cell = 1;
   float height = 0;  ///< of the eye above the map's origin
@@ -34,7 +36,9 @@ struct PolarLook {
 
   explicit PolarLook(const PolarTable& table)
       : entries(table.entries_->data()),
+        errors(table.errors_->data()),
         stride(table.stride_),
+        blocks(table.blocks_),
         azimuths(table.azimuths_),
         radii(table.radii_),
         sectors(table.sectors_),
@@ -54,6 +58,7 @@ struct PolarLook {
 namespace {
 
 constexpr float kEndless = 3e38F;  // the table wants the sums however large
+constexpr int kBlockBits = 3;      // log2 of the radii in a block
 
 /// The radii of a table that is being built.
 struct PolarRadii {
@@ -121,19 +126,29 @@ void Build(const FogLevels& levels, FogLanes& lanes, std::size_t count, const Po
 /// Where a ray's azimuth is between the rows of a table.
 struct Rows {
   VI lower;  ///< offset of the lower row's first entry
+  VI error;  ///< and of its first error
   VF share;  ///< of the upper row
 };
 
-/// M_k (k = 0: which = 0, 1: which = 2) at horizontal distances r.
-HWY_INLINE VF Look(const PolarLook& look, const Rows& rows, VF r, int which) {
-  const VF zero = hn::Zero(df), one = Constant(1);
+/// Where a horizontal distance is between the radii of a table.
+struct Radius {
+  VI index;
+  VF x;  ///< of the way to the next
+};
+
+HWY_INLINE Radius PlaceOf(const PolarLook& look, VF r) {
   const VF place =
       hn::Mul(hn::Sub(hn::Min(r, Constant(look.to)), Constant(look.from)), Constant(look.perMetre));
   const VF inside =
-      hn::Min(hn::Max(place, zero), Constant(static_cast<float>(look.radii) - 1.001F));
+      hn::Min(hn::Max(place, hn::Zero(df)), Constant(static_cast<float>(look.radii) - 1.001F));
   const VI index = hn::ConvertTo(di, inside);
-  const VF x = hn::Sub(inside, hn::ConvertTo(df, index));
-  const VI entry = hn::Add(rows.lower, hn::Mul(index, hn::Set(di, look.stride)));
+  return {index, hn::Sub(inside, hn::ConvertTo(df, index))};
+}
+
+/// M_k (k = 0: which = 0, 1: which = 2) at a horizontal distance.
+HWY_INLINE VF Look(const PolarLook& look, const Rows& rows, const Radius& at, int which) {
+  const VF one = Constant(1), x = at.x;
+  const VI entry = hn::Add(rows.lower, hn::Mul(at.index, hn::Set(di, look.stride)));
   const float* low = look.entries + which;
   const float* high = low + static_cast<std::ptrdiff_t>(look.radii) * look.stride;
   const auto mixed = [&](std::ptrdiff_t offset) {
@@ -149,6 +164,12 @@ HWY_INLINE VF Look(const PolarLook& look, const Rows& rows, VF r, int which) {
   const VF blend = hn::Mul(hn::Mul(x, x), hn::Sub(Constant(3), hn::Add(x, x)));
   const VF bend = hn::Mul(hn::Mul(x, rest), hn::Sub(hn::Mul(slope0, rest), hn::Mul(slope1, x)));
   return hn::Add(MulThenAdd(blend, hn::Sub(to, from), from), bend);
+}
+
+/// How far off Look() may be.
+HWY_INLINE VF ErrorOf(const PolarLook& look, const Rows& rows, const Radius& at, int which) {
+  const VI block = hn::Mul(hn::ShiftRight<kBlockBits>(at.index), hn::Set(di, look.stride / 2));
+  return hn::GatherIndex(df, look.errors + which / 2, hn::Add(rows.error, block));
 }
 
 /// Which rows a direction lies between; clears `good` where it leaves the sector.
@@ -170,19 +191,20 @@ HWY_INLINE Rows Find(const PolarLook& look, VF x, VF y, Mask& good) {
   }
   good = hn::And(good, hn::Gt(major, zero));
   const VF q = hn::Div(minor, hn::IfThenElse(good, major, Constant(1)));
-  good = hn::And(good, hn::Le(hn::Abs(q), Constant(look.tangent * 1.0001F)));
+  good = hn::And(good, hn::Le(hn::Abs(q), Constant(look.tangent * 1.000001F)));
   const VF place = hn::Mul(hn::Add(q, Constant(look.tangent)), Constant(look.perQ));
   const VF inside =
       hn::Min(hn::Max(place, zero), Constant(static_cast<float>(look.azimuths) - 1.001F));
   const VI row = hn::ConvertTo(di, inside);
   const VI all = hn::Add(hn::Mul(sector, hn::Set(di, look.azimuths)), row);
   return {hn::Mul(all, hn::Set(di, look.radii * look.stride)),
+          hn::Mul(all, hn::Set(di, look.blocks * (look.stride / 2))),
           hn::Sub(inside, hn::ConvertTo(df, row))};
 }
 
-/// The optical depth times cos E within one zone.
+/// The optical depth times cos E within one zone; adds how far off it may be.
 HWY_INLINE VF ZoneDepth(const PolarLook& look, const FogProfile::Zone& zone, const Rows& rows,
-                        VF rise, VF level, VF distance) {
+                        VF rise, VF level, VF distance, VF& error) {
   const VF zero = hn::Zero(df);
   const float above = static_cast<float>(zone.top) - look.height;
   const float below = static_cast<float>(zone.bottom) - look.height;
@@ -192,18 +214,26 @@ HWY_INLINE VF ZoneDepth(const PolarLook& look, const FogProfile::Zone& zone, con
   const VF begin = hn::Max(hn::Min(a, b), zero);
   const VF end = hn::Max(hn::Min(hn::Max(a, b), distance), begin);
   const VF from = hn::Mul(begin, level), to = hn::Mul(end, level);
-  const bool begins = !hn::AllFalse(df, hn::Gt(from, Constant(look.from)));
-  VF depth = Look(look, rows, to, 0);
-  if (begins)
-    depth = hn::Sub(depth, Look(look, rows, from, 0));
-  const VF atEye = Constant(static_cast<float>(zone(look.height)));
-  depth = hn::Mul(depth, zone.slope != 0 ? atEye : Constant(static_cast<float>(zone.value)));
+  const Mask begun = hn::Gt(from, Constant(look.from));
+  const bool begins = !hn::AllFalse(df, begun);
+  const Radius near = PlaceOf(look, from), far = PlaceOf(look, to);
+  const Mask reached = hn::And(hn::Gt(to, Constant(look.from)), hn::Gt(to, from));
+  const auto moment = [&](int which, VF factor) {
+    VF sum = Look(look, rows, far, which);
+    VF off = hn::IfThenElseZero(reached, ErrorOf(look, rows, far, which));
+    if (begins) {
+      sum = hn::Sub(sum, Look(look, rows, near, which));
+      off = hn::Add(off,
+                    hn::IfThenElseZero(hn::And(begun, reached), ErrorOf(look, rows, near, which)));
+    }
+    error = MulThenAdd(off, hn::Abs(factor), error);
+    return hn::Mul(sum, factor);
+  };
+  const double value = zone.slope != 0 ? zone(look.height) : zone.value;
+  VF depth = moment(0, Constant(static_cast<float>(value)));
   if (zone.slope != 0) {
-    VF moment = Look(look, rows, to, 2);
-    if (begins)
-      moment = hn::Sub(moment, Look(look, rows, from, 2));
     const VF tangent = hn::Div(rise, hn::Max(level, Constant(1e-6F)));
-    depth = MulThenAdd(hn::Mul(moment, tangent), Constant(static_cast<float>(zone.slope)), depth);
+    depth = hn::Add(depth, moment(2, hn::Mul(tangent, Constant(static_cast<float>(zone.slope)))));
   }
   return hn::Max(depth, zero);
 }
@@ -219,10 +249,15 @@ void Transmit(const PolarLook& look, const float* x, const float* y, const float
     Mask good = hn::And(hn::Gt(level, Constant(0.15F)),
                         hn::Gt(hn::Mul(length, level), Constant(look.cell)));
     const Rows rows = Find(look, dx, dy, good);
-    VF depth = hn::Zero(df);
+    VF depth = hn::Zero(df), error = hn::Zero(df);
     for (const FogProfile::Zone& zone : look.zones)
-      depth = hn::Add(depth, ZoneDepth(look, zone, rows, rise, level, length));
-    const VF passed = Exp(hn::Neg(hn::Div(depth, hn::Max(level, Constant(0.15F)))));
+      depth = hn::Add(depth, ZoneDepth(look, zone, rows, rise, level, length, error));
+    const VF perLevel = hn::Div(Constant(1), hn::Max(level, Constant(0.15F)));
+    const VF off = hn::Mul(error, perLevel);
+    const VF passed = Exp(hn::Neg(hn::Mul(depth, perLevel)));
+    // At most exp(-(depth - off)) is passed.
+    const VF largest = hn::Min(hn::Mul(passed, Exp(hn::Min(off, Constant(20)))), Constant(1));
+    good = hn::And(good, hn::Le(hn::Mul(largest, off), Constant(static_cast<float>(kPolarError))));
     hn::StoreU(hn::IfThenElse(good, passed, Constant(-1)), df, out + i);
   }
 }
@@ -309,33 +344,206 @@ std::optional<PolarSector> PolarSector::of(const EyeRays& rays) {
       return std::nullopt;
     sector.tangent = std::max(sector.tangent, left / forwards);
   }
-  sector.tangent = std::max(sector.tangent * 1.00001, 1e-3);
+  sector.tangent = sector.tangent * 1.00001 + 1e-6;
   return sector;
 }
+
+namespace {
+
+/// What an eye beside the map sees of it; nullopt: most of the horizon.
+std::optional<PolarSector> mapSector(const FogMedium& fog, const Vec3& eye) {
+  const CellRect& rect = fog.levels().level(0).occupied;
+  if (rect.empty())
+    return std::nullopt;
+  const Vec3 from = fog.domainCorner() - eye;
+  std::vector<float> x, y;
+  for (const int column : {rect.x0, rect.x1}) {
+    for (const int row : {rect.y0, rect.y1}) {
+      const Vec3 way = (from + fog.cell() * Vec3(column, row, 0)).normalized();
+      x.push_back(static_cast<float>(way.x())), y.push_back(static_cast<float>(way.y()));
+    }
+  }
+  return PolarSector::of({eye, x, y, {}, {}});
+}
+
+/// The azimuths in both.
+PolarSector common(const PolarSector& a, const PolarSector& b) {
+  const double turn = std::remainder(b.yaw - a.yaw, 2 * std::numbers::pi);
+  const double halfA = std::atan(a.tangent), halfB = std::atan(b.tangent);
+  const double right = std::max(-halfA, turn - halfB), left = std::min(halfA, turn + halfB);
+  if (!(left > right))  // none: no ray leads to the map
+    return {a.yaw, 1e-6};
+  return {a.yaw + 0.5 * (left + right), std::tan(0.5 * (left - right)) * 1.00001 + 1e-6};
+}
+
+}  // namespace
 
 Result<PolarLayout> PolarLayout::of(const FogMedium& fog, const Vec3& eye,
                                     const PolarOptions& options) {
   VOLUTE_TRY(checkServed(fog, eye, options));
   const int cells = std::max(fog.levels().columns(), fog.levels().rows());
   PolarLayout layout;
-  layout.sectors = options.sector ? 1 : 4;
-  layout.yaw = options.sector ? options.sector->yaw : 0;
-  layout.tangent = options.sector ? options.sector->tangent : 1;
-  // Linear between azimuths, whose step is what the error comes from; cubic between radii. Measured
-  // so that painted maps are within 1e-4; of large ones no more than a texture is wide.
+  const Interval reach = distances(fog, eye);
+  std::optional<PolarSector> sector = options.sector;
+  if (const auto seen = reach.begin > 0 ? mapSector(fog, eye) : std::nullopt)
+    sector = sector ? common(*sector, *seen) : *seen;
+  layout.sectors = sector ? 1 : 4;
+  layout.yaw = sector ? sector->yaw : 0;
+  layout.tangent = sector ? sector->tangent : 1;
+  // Linear between azimuths, whose step at the map's farthest corner is what the error comes from;
+  // cubic between radii. Measured so that few rays of painted maps are further off than
+  // kPolarError; of large ones no more than a texture is wide.
   constexpr double kMinAzimuths = 2560, kAzimuthsACell = 7.5;
   constexpr int kMin = 64;
   const int most = layout.sectors == 1 ? 8192 : 4096;
-  const double usual = std::max(kMinAzimuths, kAzimuthsACell * cells) * layout.tangent;
+  const double diagonal = std::hypot(fog.levels().columns(), fog.levels().rows()) * fog.cell();
+  const double usual = std::max(kMinAzimuths, kAzimuthsACell * cells) * layout.tangent *
+                       std::max(1.0, reach.end / diagonal);
   layout.azimuths = options.azimuths > 0
                         ? options.azimuths
-                        : std::clamp(static_cast<int>(std::ceil(usual)), kMin, most);
+                        : static_cast<int>(std::clamp<double>(std::ceil(usual), kMin, most));
   layout.radii = options.radii > 0 ? options.radii : std::max(384, cells);
-  const Interval reach = distances(fog, eye);
   layout.from = reach.begin;
   layout.step = (reach.end - reach.begin) / (layout.radii - 1);
   return layout;
 }
+
+namespace {
+
+/// The largest bend of a map along x and along y: |c(i - 1) - 2 c(i) + c(i + 1)| [1/m].
+std::array<double, 2> largestBends(const SplineGrid& map) {
+  const auto value = [&](int i, int j) {
+    return i >= 0 && j >= 0 && i < map.columns && j < map.rows ? map.at(i, j) : 0;
+  };
+  std::array<double, 2> bends{};
+  for (int j = -1; j <= map.rows; ++j) {
+    for (int i = -1; i <= map.columns; ++i) {
+      const double twice = 2 * value(i, j);
+      bends[0] = std::max(bends[0], std::abs(value(i - 1, j) - twice + value(i + 1, j)));
+      bends[1] = std::max(bends[1], std::abs(value(i, j - 1) - twice + value(i, j + 1)));
+    }
+  }
+  return bends;
+}
+
+/// A sum that a table holds, along an azimuth and the next: how far off it is between them.
+class PolarRowPair {
+ public:
+  /// @param which  0: M_0, 2: M_1
+  PolarRowPair(const std::vector<float>& entries, const PolarLayout& layout, int stride, int which,
+               int row, double cell, const std::array<double, 2>& bends)
+      : stride_(stride),
+        weighted_(which != 0),
+        radii_(layout.radii),
+        from_(static_cast<float>(layout.from)),
+        step_(static_cast<float>(layout.step)) {
+    constexpr double kAngle = 4e-7, kPlace = 1.2e-7;
+    const int first = row / layout.azimuths * layout.azimuths, count = layout.azimuths;
+    for (int i = 0; i < 6; ++i) {  // at a sector's borders those within
+      const int near = std::clamp(row - 2 + i, first, first + count - 1);
+      rows_[i] = entries.data() + static_cast<std::size_t>(near) * layout.radii * stride + which;
+    }
+    inner_ = row >= first + 2 && row + 3 < first + count;
+    places_ = static_cast<float>(kAngle * (count - 1) / (2 * layout.tangent) + kPlace * count);
+    const double q = (2 * (row - first + 0.5) / (count - 1) - 1) * layout.tangent;
+    const Vec3 along = azimuthDirection(layout.yaw, row / count, q);
+    const double x = std::abs(along.x()), y = std::abs(along.y());
+    cellsApart_ = static_cast<float>(2 * layout.tangent / ((count - 1) * cell));
+    aslant_ = static_cast<float>(std::min(x, y) / std::max(x, y));
+    bend_ = static_cast<float>((x < y ? bends[0] : bends[1]) * cell / 4);
+  }
+
+  /// Of all look-ups between the two in a block of radii.
+  float error(int block) const {
+    const int first = block << kBlockBits;
+    const int last = std::min(first + (1 << kBlockBits), radii_ - 1);
+    float across = 0, along = 0;
+    for (int radius = first; radius <= last; ++radius)
+      across = std::max(across, acrossAzimuths(radius) + hidden(radius));
+    for (int radius = first; radius < last; ++radius)
+      along = std::max({along, alongRadius(2, radius), alongRadius(3, radius)});
+    return across + along;
+  }
+
+ private:
+  float sum(int row, int radius) const { return rows_[row][radius * stride_]; }
+
+  float density(int row, int radius) const { return rows_[row][radius * stride_ + 1]; }
+
+  float bend(int row, int radius) const {
+    return sum(row - 1, radius) - 2 * sum(row, radius) + sum(row + 1, radius);
+  }
+
+  float distance(int radius) const { return from_ + static_cast<float>(radius) * step_; }
+
+  /// Of the linear interpolation: an eighth of the second difference where that is continuous, up
+  /// to a half where there is a kink between the rows. And what comes from rounding: of an azimuth,
+  /// which cannot be told more exactly than in floats, and of a distance.
+  float acrossAzimuths(int radius) const {
+    constexpr float kDistance = 4e-7F, kSum = 4e-7F;
+    const float rise = std::abs(sum(3, radius) - sum(2, radius));
+    const float beside = std::max(std::abs(sum(2, radius) - sum(1, radius)),
+                                  std::abs(sum(4, radius) - sum(3, radius)));
+    const float rounding =
+        std::max(rise, beside) * places_ +
+        kDistance * distance(radius) * std::max(density(2, radius), density(3, radius)) +
+        kSum * std::max(sum(2, radius), sum(3, radius));
+    if (!inner_)
+      return 0.5F * std::max(rise, beside) + rounding;
+    const float a = bend(2, radius), b = bend(3, radius);
+    const float jumps = std::abs(a - bend(1, radius)) + std::abs(b - bend(4, radius));
+    return std::max(std::abs(a), std::abs(b)) / 8 + jumps * 3 / 16 + rounding;
+  }
+
+  /// Rays that lead almost along an axis of the map see the pixels of a column change at once, in
+  /// less than an azimuth step: no row shows it.
+  float hidden(int radius) const {
+    const float cells = distance(radius) * cellsApart_;
+    return aslant_ > 0.7F * cells
+               ? 0
+               : std::min(cells, 1.0F) * bend_ * (weighted_ ? distance(radius) : 1);
+  }
+
+  /// Of Hermite's cubic: a twelfth of the cubic's part where the density has a kink, less where it
+  /// has none.
+  float alongRadius(int row, int radius) const {
+    const float chord = sum(row, radius + 1) - sum(row, radius);
+    return std::abs(step_ * (density(row, radius) + density(row, radius + 1)) - 2 * chord) / 12;
+  }
+
+  std::array<const float*, 6> rows_{};  ///< the pair are 2 and 3
+  int stride_;
+  bool weighted_, inner_ = true;
+  int radii_;
+  float from_, step_;     ///< [m]
+  float places_ = 0;      ///< rows, to which an azimuth is rounded
+  float cellsApart_ = 0;  ///< rows, in cells a metre of distance
+  float aslant_ = 0;      ///< tangent to the nearest axis of the map
+  float bend_ = 0;        ///< of the map across that axis
+};
+
+std::vector<float> errorsOf(const FogMedium& fog, const std::vector<float>& entries,
+                            const PolarLayout& layout, int stride, int blocks) {
+  const auto bends = largestBends(fog.levels().map());
+  const int sums = stride / 2;
+  const std::size_t rows = static_cast<std::size_t>(layout.sectors) * layout.azimuths;
+  std::vector<float> errors(rows * blocks * sums);
+  parallelRanges(rows, kFogLanes, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) {
+      if (static_cast<int>(row % layout.azimuths) == layout.azimuths - 1)
+        continue;  // no next one in its sector
+      for (int sum = 0; sum < sums; ++sum) {
+        const PolarRowPair pair(entries, layout, stride, 2 * sum, static_cast<int>(row), fog.cell(),
+                                bends);
+        for (int block = 0; block < blocks; ++block)
+          errors[(row * blocks + block) * sums + sum] = pair.error(block);
+      }
+    }
+  });
+  return errors;
+}
+
+}  // namespace
 
 Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
                                     const PolarOptions& options) {
@@ -375,11 +583,14 @@ Result<PolarTable> PolarTable::make(const FogMedium& fog, const Vec3& eye,
       }
     }
   });
+  table.blocks_ = ((table.radii_ - 2) >> kBlockBits) + 1;
+  table.errors_ = std::make_shared<const std::vector<float>>(
+      errorsOf(fog, *entries, layout, table.stride_, table.blocks_));
   table.entries_ = std::move(entries);
   return table;
 }
 
-void PolarTable::transmittance(const EyeRays& rays, std::span<float> out) const {
+void PolarTable::lookUp(const EyeRays& rays, std::span<float> out) const {
   VOLUTE_ASSERT(rays.eye == eye_ && rays.x.size() == out.size());
   const PolarLook look(*this);
   const std::size_t whole = out.size() / kFogLanes * kFogLanes;
@@ -392,6 +603,10 @@ void PolarTable::transmittance(const EyeRays& rays, std::span<float> out) const 
     HWY_DYNAMIC_DISPATCH(Transmit)(look, in[0], in[1], in[2], in[3], kFogLanes, last);
     std::copy_n(last, rest, out.data() + whole);
   }
+}
+
+void PolarTable::transmittance(const EyeRays& rays, std::span<float> out) const {
+  lookUp(rays, out);
   std::vector<Segment> walked;
   std::vector<std::size_t> where;
   for (std::size_t i = 0; i < out.size(); ++i) {

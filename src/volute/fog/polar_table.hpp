@@ -36,6 +36,9 @@ struct PolarOptions {
   std::optional<PolarSector> sector = std::nullopt;
 };
 
+/// The largest error of a transmittance that is looked up.
+inline constexpr double kPolarError = 1e-4;
+
 /// Where the entries of a table are.
 struct PolarLayout {
   double yaw = 0, tangent = 1;  ///< of the sector, or of the first of four
@@ -43,7 +46,7 @@ struct PolarLayout {
   int azimuths = 0, radii = 0;  ///< azimuths in each sector
   double from = 0, step = 1;    ///< radii [m]
 
-  /// As PolarTable::make.
+  /// As PolarTable::make. A sector is no wider than the map is, seen from an eye beside it.
   [[nodiscard]] static Result<PolarLayout> of(const FogMedium& fog, const Vec3& eye,
                                               const PolarOptions& options);
 };
@@ -54,8 +57,10 @@ struct PolarLayout {
 ///   slab or constant g:    t = (M_0(b) - M_0(a)) / cos E
 ///   g = g_0 + m z, z = r tan E:  t = (g_0 (M_0(b) - M_0(a)) + m tan E (M_1(b) - M_1(a))) / cos E
 /// with E the elevation. Cubic between radii, linear between azimuths; the sampled azimuths and
-/// radii are exact. |dT| is O(azimuth step^2); with the default sizes at most 1e-4 on painted 8-bit
-/// maps (volute bench fog), 4e-4 on random noise of up to 512^2, degree 1 to 3.
+/// radii are exact. |dT| is O(azimuth step^2). The table estimates the error of each look-up by
+/// differences of its entries, and by what floats hold at their distance; rays for which it is
+/// above kPolarError are walked. They are few with the default sizes on painted maps, and all of
+/// them far away or on noise.
 ///
 /// For one eye only: another eye needs another table.
 class PolarTable {
@@ -65,8 +70,12 @@ class PolarTable {
   [[nodiscard]] static Result<PolarTable> make(const FogMedium& fog, const Vec3& eye,
                                                const PolarOptions& options = {});
 
-  /// exp(-optical depth) of rays from the table's eye. Rays that are steep (cos E < 0.15), end
-  /// within a cell of the eye, or leave the sector are walked.
+  /// exp(-optical depth) of rays from the table's eye; -1 for rays that have to be walked: which
+  /// are steep (cos E < 0.15), end within a cell of the eye, leave the sector, or would be further
+  /// off than kPolarError.
+  void lookUp(const EyeRays& rays, std::span<float> out) const;
+
+  /// The same with the others walked.
   void transmittance(const EyeRays& rays, std::span<float> out) const;
 
   int azimuths() const { return azimuths_; }
@@ -92,6 +101,10 @@ class PolarTable {
   int stride_ = 2;  ///< floats in an entry: M_0, rho, and with linear profiles M_1, rho r
   /// shape (sectors, azimuths, radii, stride)
   std::shared_ptr<const std::vector<float>> entries_;
+  int blocks_ = 1;  ///< of radii
+  /// Of M_0, and of M_1 with linear profiles: of an azimuth and the next, in a block of radii;
+  /// shape (sectors, azimuths, blocks, stride / 2)
+  std::shared_ptr<const std::vector<float>> errors_;
 };
 
 }  // namespace volute

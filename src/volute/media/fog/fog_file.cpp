@@ -213,9 +213,10 @@ const FieldTable& fogFields() {
        .least = 0, .most = kMaxSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
       {.name = "path", .type = kChoice, .access = member<&Fog::path>(),
        .help = "walk: every ray, exactly; polar: through a table for each camera position, "
-               "within 1e-4 of the transmittance on painted maps, if applicable (degree 1 to 3, "
-               "slab, linear or layers, no sun, no top, all details), else walk; auto: polar for "
-               "pictures of maps of 128 pixels and more, walk in measurements", .choices = kPaths,
+               "within 1e-4 of the transmittance (1/512 by OpenGL), if applicable (degree 1 to 3, "
+               "slab, linear or layers, no sun, no top, all details), else walk; rays that would "
+               "be further off are walked; auto: polar for pictures of maps of 128 pixels and "
+               "more, walk in measurements", .choices = kPaths,
        .option = {"HOW"}},
       {.name = "color", .type = kColor, .access = member<&Fog::options, &FogOptions::color>(),
        .help = "linear radiance of infinitely thick fog", .least = 0,
