@@ -168,6 +168,7 @@ class Scenes(FogCase):
             half = self.render("half.exr", "--time", "2.5")
             self.assertLess(self.difference(half, self.render("later.exr", "--time", "10.5")), 2e-6)
             self.assertGreater(self.difference(begun, half), 0.01)
+        self.scene["camera"]["ortho"] = 11  # within the pixels at its border
         self.fog["border"] = "clamp"
         write_rows(self.path("map.png"), [[51] + [255] * 15] * 16)
         self.assertAlmostEqual(self.value(self.render("x.exr", "--time", "99")), 1 - math.exp(-0.2), delta=2e-6)
@@ -175,6 +176,24 @@ class Scenes(FogCase):
         self.assertEqual(self.value(self.render("x.exr", "--time", "99")), 0)
         self.fog |= {"border": "repeat", "top": {"map": "map.png"}}
         self.assertIn("/media/0/border", self.fails(1, "render", self.write(), "-o", self.path("x.png")))
+
+    def test_wind_leaves_the_map_s_rectangle_where_it_is(self):
+        self.scene["format"] = "volute-scene-2"
+        self.scene["camera"] = {"eye": [16, 16, 100], "target": [16, 16, 0], "up": [0, 1, 0], "ortho": 48, "size": [96, 96]}
+        self.white(size=8)
+        self.fog |= {"cell": 4, "profile": {"kind": "slab", "bottom": 0, "top": 1}}
+        for degree in range(4):
+            self.fog |= {"degree": degree, "wind": [0, 0]}
+            calm = read_exr(self.path(self.render("calm.exr", "--aov", "optical-depth"))).values
+            self.fog["wind"] = [3, -2]
+            before = calm
+            for time in (0, 0.3, 0.66, 1, 1.3, 1.34, 1.99, 2.01):
+                blown = read_exr(self.path(self.render("x.exr", "--aov", "optical-depth", "--time", str(time)))).values
+                self.assertAlmostEqual(sum(blown), sum(calm), delta=0.01 * sum(calm))
+                self.assertEqual([i for i, value in enumerate(calm) if value > 0.99 * max(calm) and blown[i] == 0], [])
+                if time in (0, 1.34, 2.01):  # 0, .12 and .06 m after 0, 1.3 and 1.99 s
+                    self.assertLess(max(abs(a - b) for a, b in zip(blown, before)), 0.1 if degree else 1, (degree, time))
+                before = blown
 
     def test_sequences_of_maps_mix(self):
         write_rows(self.path("fog_0000.png"), [[0] * 16] * 16)

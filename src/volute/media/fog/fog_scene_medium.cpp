@@ -304,13 +304,13 @@ FogMedium FogSceneMedium::fogAt(double time) const {
   return filled ? filled->shifted(placed) : mapAt(time);  // too large: open() says so
 }
 
-/// Whole cells of the way move the coefficients within the map's rectangle, the rest moves the map:
-/// what the rectangle shows is that of an endless map.
+/// Whole cells of the way move the coefficients within the map's rectangle, the rest moves the map.
+/// Of the pixels that enter and leave, those parts count that have: the rectangle stays that of calm
+/// air, with as much fog where the map is of one value, and within it is what an endless map shows.
 Result<FogMedium> FogSceneMedium::bordered(const FogMedium& map, const Vec3& blown) const {
   const bool repeats = description_.borderInWind() == FogBorder::kRepeat;
   const double cell = map.cell();
   const int columns = map.levels().columns(), rows = map.levels().rows();
-  const int margin = map.options().degree + 1;
   const double cellsX = std::floor(blown.x() / cell), cellsY = std::floor(blown.y() / cell);
   // A multiple of the map's size changes nothing, or all of it is its border by now.
   const auto whole = [&](double cells, int count) {
@@ -321,19 +321,24 @@ Result<FogMedium> FogSceneMedium::bordered(const FogMedium& map, const Vec3& blo
   const auto from = [&](int i, int count) {
     return repeats ? ((i % count) + count) % count : std::clamp(i, 0, count - 1);
   };
+  const auto share = [](int i, int count, double entered) {
+    return i == 0 ? entered : i == count ? 1 - entered : 1;
+  };
+  const double enteredX = blown.x() / cell - cellsX, enteredY = blown.y() / cell - cellsY;
   const std::vector<double> coefficients = map.coefficients();
-  SplineGrid grid(columns + 2 * margin, rows + 2 * margin);
+  SplineGrid grid(columns + 1, rows + 1);
   for (int j = 0; j < grid.rows; ++j) {
-    const int row = from(j - margin - wholeY, rows);
+    const int row = from(j - 1 - wholeY, rows);
     for (int i = 0; i < grid.columns; ++i) {
-      const int column = from(i - margin - wholeX, columns);
-      grid.at(i, j) = coefficients[static_cast<std::size_t>(row) * columns + column];
+      const int column = from(i - 1 - wholeX, columns);
+      grid.at(i, j) = coefficients[static_cast<std::size_t>(row) * columns + column] *
+                      share(i, columns, enteredX) * share(j, rows, enteredY);
     }
   }
   FogPlacement placement = registered(description_).placement;
   placement.origin += readAt_ - description_.placement.origin;
   placement.origin +=
-      Vec3(blown.x() - (cellsX + margin) * cell, blown.y() - (cellsY + margin) * cell, blown.z());
+      Vec3(blown.x() - (cellsX + 1) * cell, blown.y() - (cellsY + 1) * cell, blown.z());
   VOLUTE_ASSIGN(auto filled, FogMap::fromCoefficients(std::move(grid), placement));
   return FogMedium::make(filled, map.profile(), map.options());
 }
