@@ -7,7 +7,8 @@
 namespace volute {
 
 /// Fog for pictures from one eye: segments that begin at the eye are looked up in a PolarTable,
-/// within kPolarError, all others and those it does not serve are walked. Depths and pieces are the fog's own, exact.
+/// within kPolarError, all others and those it does not serve are walked. Depths and pieces are the
+/// fog's own, exact.
 ///
 /// A Medium and FastMedium.
 class PolarFog {
