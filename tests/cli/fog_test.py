@@ -331,6 +331,74 @@ class Frames(FogCase):
         self.depth([INFINITY] * 48)
         profile = ("--profile", "slab:0,20", "--fog-color", "0.25,0.25,0.25")
         self.works(*self.words(*profile))
+    def test_maps_go_with_the_frames_of_their_numbers(self):
+        for first in (0, 1, 1001):
+            for i in range(3):
+                write_rows(self.path(f"map{first}_{first + i:04d}.png"), [[80 * (i + 1)] * 40] * 40)
+                for name in ("color", "depth"):
+                    self.path(f"{name}{first}_{first + i:04d}.exr").write_bytes(self.path(f"{name}.exr").read_bytes())
+            for rate in ("25", "30"):
+                words = [self.path(f"map{first}_%04d.png"), "--color", self.path(f"color{first}_%04d.exr"),
+                         "--depth", self.path(f"depth{first}_%04d.exr"), "--camera", self.path("camera.json"), "--fps", rate]
+                message = self.works("fog", *words, "-o", self.path("x_%04d.exr")).message
+                self.assertNotIn("map,", message)
+                for i in range(3):
+                    self.works("fog", self.path(f"map{first}_{first + i:04d}.png"), *self.words(out="y.exr", sigma=0.05)[2:])
+                    self.assertLess(self.difference(f"x_{first + i:04d}.exr", "y.exr"), 1e-6, (first, rate, i))
+        for name in ("color", "depth"):  # a frame more than there are maps
+            self.path(f"{name}1_0004.exr").write_bytes(self.path(f"{name}.exr").read_bytes())
+        words = [self.path("map1_%04d.png"), "--color", self.path("color1_%04d.exr"), "--depth", self.path("depth1_%04d.exr"),
+                 "--camera", self.path("camera.json"), "-o", self.path("x_%04d.exr")]
+        self.assertIn("after the last map", self.works("fog", *words).message)
+        self.path("map1_0002.png").unlink()
+        write_rows(self.path("map1_0004.png"), [[9] * 40] * 40)
+        self.path("map1_0001.png").rename(self.path("map1_0000.png"))
+        write_rows(self.path("map1_0001.png"), [[9] * 40] * 40)
+        self.assertIn("1 of the frames 0 to 4 is missing: 2", self.works("fog", *words).message)
+
+    def test_what_a_map_holds_is_used_or_told(self):
+        def said(name, *more):
+            return self.works("fog", self.path(name), *self.words(*more)[2:]).message
+        plain = said("map.png")
+        # Alpha: what is transparent is not painted. Opaque pictures say nothing.
+        write_rows(self.path("clear.png"), [[255, 0] * 40] * 40, channels=2)
+        self.assertIn("multiplied by its alpha", said("clear.png"))
+        self.assertEqual(self.difference("x.exr", "color.exr"), 0)
+        write_rows(self.path("opaque.png"), [[255, 255] * 40] * 40, channels=2)
+        self.assertEqual(said("opaque.png").replace("opaque", "map"), plain)
+        # Volumes: values as they are, places only by the map's own cell and origin.
+        write_npy(self.path("large.npy"), (1, 40, 40), [200] * 1600)
+        self.assertIn("values up to 200 count as they are", said("large.npy"))
+        write_npy(self.path("small.npy"), (1, 40, 40), [0.5] * 1600)
+        self.assertNotIn("small.npy", said("small.npy"))
+        self.path("small.vti").write_text(
+            '<VTKFile type="ImageData" version="0.1" byte_order="LittleEndian"><ImageData WholeExtent="0 40 0 40 0 1" Origin="5 6 0" '
+            'Spacing="3 3 1"><Piece Extent="0 40 0 40 0 1"><CellData Scalars="density"><DataArray type="Float32" Name="density" '
+            f'format="ascii">{"0.5 " * 1600}</DataArray></CellData></Piece></ImageData></VTKFile>')
+        self.assertIn("cells are 3 x 3 m from x = 5, y = 6 m; this is not used", said("small.vti"))
+        self.assertNotIn("not used", said("small.vti", "--cell", "1"))
+        # Parts of a .exr: nobody says which one is the map.
+        part = {"Y": [0.5] * 1600}
+        write_parts(self.path("parts.exr"), [Part(40, 40, part, "low"), Part(40, 40, part, "fog")])
+        self.assertIn("2 parts", self.fails(1, "fog", self.path("parts.exr"), *self.words(out="none.exr")[2:]))
+
+    def test_options_without_effect_are_told(self):
+        for more, text in ((("--mu", "0.5"), "mu has no effect"), (("--cell-angle", "0.1"), "cell_angle has no effect"),
+                           (("--border", "clamp"), "border has no effect")):
+            self.assertIn(text, self.works(*self.words(*more)).message)
+            self.assertIn(text, self.fails(1, *self.words(*more, "--strict", out="none.exr")))
+        self.assertNotIn("no effect", self.works(*self.words("--mu", "0.5", "--levels", "2")).message)
+
+    def test_what_is_not_kept_of_a_frame_is_told(self):
+        planes = {name: [0.5] * 48 for name in ("R", "G", "B", "diffuse.R", "N.X")}
+        write_planes(self.path("color.exr"), 8, 6, planes)
+        self.assertIn("2 other channels of the frame are left out: N.X, diffuse.R", self.works(*self.words()).message)
+        self.assertNotIn("left out", self.works(*self.words(out="x.png")).message)
+
+    def test_a_camera_with_keys_is_refused(self):
+        self.camera({"eye": [20, -5, 5], "target": [20, 15, 5], "fov": 60, "keys": [[0, 20, -5, 5, 20, 15, 5], [1, 20, 5, 5, 20, 15, 5]]})
+        self.assertIn("camera.json: a camera that moves", self.fails(1, *self.words()))
+
         self.assertAlmostEqual(self.value("x.exr"), 0.5 * math.exp(-2) + 0.25 * (1 - math.exp(-2)), delta=2e-6)
         self.depth([20] * 48)
         self.works(*self.words(*profile, "--sky-depth", "15"))

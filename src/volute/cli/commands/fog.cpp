@@ -107,7 +107,10 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
 Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map) {
   VOLUTE_ASSIGN(auto members, membersOf(fogFields(), arguments));
   members["map"] = map;
-  return parseFog(members, {});
+  VOLUTE_ASSIGN(auto fog, parseFog(members, {}));
+  fog.rate = arguments.get<double>("fps");
+  fog.byNumber = namesSeriesOfFiles(arguments.find<std::string>("color").value_or(""));
+  return fog;
 }
 
 /// --sun, --sun-radiance: at most one.

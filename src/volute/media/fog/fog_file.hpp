@@ -56,7 +56,9 @@ struct FogDescription {
   /// Pictures, one a time; or one name: a picture, a pattern of pictures, or a volume one voxel
   /// high.
   std::vector<std::string> maps;
-  std::vector<double> times;  ///< [s], of each map; empty: the volume's own, else 25 a second
+  std::vector<double> times;  ///< [s], of each map; empty: the volume's own, else by `rate`
+  double rate = 25;           ///< numbered maps a second
+  bool byNumber = false;  ///< map n is at n / rate, as frame n of a film is; else the first at 0 s
   FogPlacement placement;
   FogRegistration registration = FogRegistration::kPixel;
   std::optional<FogBorder> border{};  ///< nothing: kRepeat in wind, where there is no top

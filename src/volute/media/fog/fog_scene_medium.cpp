@@ -13,8 +13,6 @@
 namespace volute {
 namespace {
 
-constexpr double kFramesPerSecond = 25;
-
 struct Maps {
   std::vector<FogMap> maps;
   std::vector<double> times;
@@ -22,6 +20,11 @@ struct Maps {
 
 /// An argument of the library is data here.
 ErrorCode codeOfData(ErrorCode code) {
+/// [s], of the map with a number.
+double timeOfNumber(double number, double first, const FogDescription& fog) {
+  return (number - (fog.byNumber ? 0 : first)) / fog.rate;
+}
+
   return code == ErrorCode::kInvalidArgument ? ErrorCode::kInvalidData : code;
 }
 
@@ -50,7 +53,7 @@ Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vect
   for (std::size_t i = 0; i < paths.size(); ++i) {
     VOLUTE_ASSIGN(auto map, readMap(paths[i], fog.placement, fog.colour, reading));
     maps.maps.push_back(std::move(map));
-    maps.times.push_back((numbers[i] - numbers.front()) / kFramesPerSecond);
+    maps.times.push_back(timeOfNumber(numbers[i], numbers.front(), fog));
   }
   return maps;
 }
@@ -94,9 +97,28 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
     if (!map)
       return aboutFile(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
     maps.maps.push_back(std::move(*map));
-    maps.times.push_back(info.times[i]);
+  std::vector<int> units;
+    maps.times.push_back(info.timesAssumed
+                             ? timeOfNumber(info.frameScale.frame(info.frameNumbers[i]),
+                                            info.frameScale.frame(info.frameNumbers.front()), fog)
+                             : info.times[i]);
+  }
+  if (largest > 1) {
+    reading.progress.remark(
+        Remark{RemarkCode::kDoubtful,
+               fmt::format("{}: values up to {:g} count as they are, not as shares of a maximum as "
+                           "a picture's do: the extinction is up to {:g} /m",
+                           path, largest, largest * fog.placement.sigmaMax)}
+            .in(path));
   }
   return maps;
+    units.push_back(file.number);
+  }
+  if (const auto gaps = missingNumbers(units, files.front().scale); !gaps.empty()) {
+    reading.progress.remark(
+        Remark{RemarkCode::kAssumed,
+               fmt::format("{}: {}; the maps before and after are mixed there", path, gaps)}
+            .in(path));
 }
 
 Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
@@ -238,10 +260,10 @@ bool FogSceneMedium::readsTheSame(const FogDescription& a, const FogDescription&
     if (!same)
       return false;
   }
-  return a.maps == b.maps && a.times == b.times && a.registration == b.registration &&
-         placed(a.placement, b.placement) && a.colour == b.colour &&
-         a.options.degree == b.options.degree && a.options.levels == b.options.levels &&
-         a.options.detail.mu == b.options.detail.mu &&
+  return a.maps == b.maps && a.times == b.times && a.rate == b.rate && a.byNumber == b.byNumber &&
+         a.registration == b.registration && placed(a.placement, b.placement) &&
+         a.colour == b.colour && a.options.degree == b.options.degree &&
+         a.options.levels == b.options.levels && a.options.detail.mu == b.options.detail.mu &&
          a.options.detail.cellAngle == b.options.detail.cellAngle &&
          (a.options.color == b.options.color).all();
 }
