@@ -559,6 +559,10 @@ class Frames(FogCase):
         for more in (("--degree", "4"), ("--cell", "0"), ("--mu", "2"), ("--profile", "round:1"),
                      ("--profile", "slab:3,1"), ("--profile", "slab:3,x"), ("--sun", "0,0,1"), ("--levels", "99"),
                      ("--fog-color=-1,0,0",), ("--frames", "2:1"), ("--depth-kind", "w"), ("--depth-scale", "0"), ("--geometry-up", "y")):
+        for more, text in ((("--sun", "1,0,-1"), "neither the sun"), (("--wind", "3,0,0"), "the wind does not move it")):
+            self.assertIn(text, self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), *more).message)
+        write_rows(self.path("long.png"), [[9] * 20000])
+        self.assertIn("at most 16384", self.works("fog", self.path("long.png"), "--export-glsl", self.path("more")).message)
             self.fails(2, *self.words(*more))
         self.assertIn("at least 0", self.fails(2, *self.words(sigma=-1)))
         self.fails(2, "fog", self.path("map.png"))

@@ -12,6 +12,7 @@
 #include "volute/cli/volume_output.hpp"
 #include "volute/film/picture_writer.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/fog/fog_shader.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/fog/fog_export.hpp"
 #include "volute/media/fog/fog_frames.hpp"
@@ -234,6 +235,36 @@ Status runFog(const Arguments& arguments, Context& context) {
   if (folder) {
     VOLUTE_TRY(exportFogShader(fog->fogAt(arguments.find<double>("time").value_or(0)), *folder));
     report.add("shader", *folder);
+/// What shader functions of a fog do not have of it.
+void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
+                  const Arguments& arguments, Progress& progress) {
+  const auto tell = [&](RemarkCode code, const std::string& text) {
+    progress.remark({code, fmt::format("{}: {}", arguments.get<std::string>("export-glsl"), text)});
+  };
+  if (!suns.empty())
+    tell(RemarkCode::kLeftOut,
+         "the shader has neither the sun nor its shadows: its fog is of one colour");
+  const auto& times = fog.info().times;
+  const double time = arguments.find<double>("time").value_or(0);
+  if (times.size() > 1) {
+    tell(RemarkCode::kLeftOut,
+         fmt::format("the shader has the map at {:g} s alone, of {} maps", time, times.size()));
+  }
+  if (fog.description().wind != Vec3::Zero()) {
+    tell(RemarkCode::kLeftOut,
+         fmt::format("the shader has the fog at {:g} s: the wind does not move it, but who moves "
+                     "fogCorner does",
+                     time));
+  }
+  constexpr int kLargest = 16384;  // that most OpenGL has
+  const FogShader shader = fogCells(fog.fogAt(time));
+  if (shader.width > kLargest || shader.height > kLargest) {
+    tell(RemarkCode::kDoubtful,
+         fmt::format("the texture has {} x {} texels; most devices take at most {} x {}",
+                     shader.width, shader.height, kLargest, kLargest));
+  }
+}
+
   }
   if (pictures) {
     const auto target = arguments.get<std::string>("output");
@@ -246,6 +277,7 @@ Status runFog(const Arguments& arguments, Context& context) {
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
     }
+    tellOfShader(*fog, suns, arguments, context.progress);
     tellOfFilm(frames, names.color, description, arguments, context.progress);
     double milliseconds = 0;
     {
