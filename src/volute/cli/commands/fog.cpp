@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -68,6 +69,19 @@ void tell(const FoggedFrame& frame, std::set<std::string>& told, Progress& progr
 }
 
 void tellLost(const FoggedFrame& frame, const std::string& target, Progress& progress) {
+  if (const auto& others = frame.others; !others.empty() && extensionOf(target) == ".exr") {
+    constexpr std::size_t kShown = 6;
+    const std::vector<std::string> some(
+        others.begin(),
+        others.begin() + static_cast<std::ptrdiff_t>(std::min(others.size(), kShown)));
+    progress.remark(
+        {RemarkCode::kLeftOut,
+         fmt::format(
+             "{}: holds colour and alpha; {} other channel{} of the frame {} left out: {}{}",
+             target, others.size(), others.size() == 1 ? "" : "s",
+             others.size() == 1 ? "is" : "are", fmt::join(some, ", "),
+             others.size() > kShown ? " .." : "")});
+  }
   const auto lost = lostIn(target, frame.pixels);
   if (!lost.empty()) {
     progress.remark({RemarkCode::kLeftOut, fmt::format("{}: does not keep {}; a .exr does", target,

@@ -40,6 +40,7 @@ Image channelsOf(const Image& image, int first, int count) {
 struct Color {
   FramePixels pixels;
   std::string layer{};
+  std::vector<std::string> others{};  ///< channels of the file besides
 };
 
 Result<Color> readPngColor(const std::string& path, std::uint64_t maxMemory) {
@@ -78,6 +79,10 @@ Result<Color> readExrColor(const std::string& path, const std::string& layer,
     transformColors(**toSrgb, color.pixels.color);
   if (image.channels > colors)
     color.pixels.alpha = channelsOf(image, colors, 1);
+  for (const FrameChannel& channel : info.channels) {
+    if (std::ranges::none_of(wanted, [&](const auto& own) { return own.name == channel.name; }))
+      color.others.push_back(channel.name);
+  }
   return color;
 }
 
@@ -295,6 +300,13 @@ class Distances {
 Result<Camera> cameraFor(const FogFrame& frame, const FramePart& part,
                          std::vector<FrameRemark>& remarks) {
   VOLUTE_ASSIGN(const auto description, readCamera(frame.camera));
+  if (!description.keys.empty()) {
+    return fail(
+        ErrorCode::kUnsupported,
+        "{}: a camera that moves (keys); expected a file for each frame, with a camera that "
+        "does not",
+        frame.camera);
+  }
   const Pixels size{part.display.width(), part.display.height()};
   if (description.size && !(*description.size == size)) {
     return fail(ErrorCode::kInvalidData,
@@ -439,6 +451,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
                             const FogFrameOptions& options, Reading& reading) {
   FoggedFrame out;
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
+  out.others = std::move(color.others);
   FramePart part = color.pixels.part;
   VOLUTE_ASSIGN(const auto whole, cameraFor(frame, part, out.remarks));
   VOLUTE_ASSIGN(auto depth, extensionOf(frame.depth) == ".exr"

@@ -51,6 +51,7 @@ struct FrameRemark {
 /// A frame with fog over it.
 struct FoggedFrame {
   FramePixels pixels;
+  std::vector<std::string> others{};   ///< channels of the frame's file that are not among them
   std::vector<FrameRemark> remarks{};  ///< how far what it shows is; what was assumed, or is lost
 };
 
