@@ -5,7 +5,7 @@ import json
 import math
 
 import support
-from pictures import read_exr, write_planes, write_rows
+from pictures import Part, read_exr, write_parts, write_planes, write_rows
 from support import write_npy
 
 INFINITY = float("inf")
@@ -154,6 +154,11 @@ class Scenes(FogCase):
         top = {"map": "dot.png", "cell": 10, "height": 5, "origin": [0, 0, 0]}
         for degree in (0, 1, 2):
             self.assertNear(self.centre(map="white.png", degree=degree, top=top, origin=[-90, -90, 0]), (45, 45))
+        self.assertIn("there is no fog beyond", self.works("render", self.write(), "-o", self.path("x.png")).message)
+        self.scene["media"][0]["top"] |= {"map": "white.png", "origin": [-90, -90, 0]}
+        self.assertNotIn("beyond", self.works("render", self.write(), "-o", self.path("x.png")).message)
+        self.scene["media"][0]["profile"] |= {"height": 3}
+        self.assertIn("/media/0: profile/height has no effect", self.works("render", self.write(), "-o", self.path("x.png")).message)
 
     def test_wind_keeps_the_map_s_rectangle_filled(self):
         self.scene["format"] = "volute-scene-2"
@@ -326,11 +331,6 @@ class Frames(FogCase):
         self.expected("ray.exr", self.per_pixel(lambda stretch: 0.1 * (10 - 5 * stretch)))
         self.assertLess(self.difference("ray.exr", "x.exr"), 2e-6)
 
-    def test_the_sky_is_behind_all_fog(self):
-        self.camera({"eye": [20, 20, 30], "target": [20, 20, 0], "up": [0, 1, 0], "ortho": 6})
-        self.depth([INFINITY] * 48)
-        profile = ("--profile", "slab:0,20", "--fog-color", "0.25,0.25,0.25")
-        self.works(*self.words(*profile))
     def test_maps_go_with_the_frames_of_their_numbers(self):
         for first in (0, 1, 1001):
             for i in range(3):
@@ -399,6 +399,11 @@ class Frames(FogCase):
         self.camera({"eye": [20, -5, 5], "target": [20, 15, 5], "fov": 60, "keys": [[0, 20, -5, 5, 20, 15, 5], [1, 20, 5, 5, 20, 15, 5]]})
         self.assertIn("camera.json: a camera that moves", self.fails(1, *self.words()))
 
+    def test_the_sky_is_behind_all_fog(self):
+        self.camera({"eye": [20, 20, 30], "target": [20, 20, 0], "up": [0, 1, 0], "ortho": 6})
+        self.depth([INFINITY] * 48)
+        profile = ("--profile", "slab:0,20", "--fog-color", "0.25,0.25,0.25")
+        self.works(*self.words(*profile))
         self.assertAlmostEqual(self.value("x.exr"), 0.5 * math.exp(-2) + 0.25 * (1 - math.exp(-2)), delta=2e-6)
         self.depth([20] * 48)
         self.works(*self.words(*profile, "--sky-depth", "15"))
@@ -554,15 +559,15 @@ class Frames(FogCase):
         self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), "--profile", "exponential:0,5")
         self.assertFalse((self.path("more") / "fog_polar.glsl").exists())
         self.fails(1, "fog", self.path("waves.png"), "--export-glsl", self.path("waves.png"))
+        for more, text in ((("--sun", "1,0,-1"), "neither the sun"), (("--wind", "3,0,0"), "the wind does not move it")):
+            self.assertIn(text, self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), *more).message)
+        write_rows(self.path("long.png"), [[9] * 20000])
+        self.assertIn("at most 16384", self.works("fog", self.path("long.png"), "--export-glsl", self.path("more")).message)
 
     def test_wrong_usage(self):
         for more in (("--degree", "4"), ("--cell", "0"), ("--mu", "2"), ("--profile", "round:1"),
                      ("--profile", "slab:3,1"), ("--profile", "slab:3,x"), ("--sun", "0,0,1"), ("--levels", "99"),
                      ("--fog-color=-1,0,0",), ("--frames", "2:1"), ("--depth-kind", "w"), ("--depth-scale", "0"), ("--geometry-up", "y")):
-        for more, text in ((("--sun", "1,0,-1"), "neither the sun"), (("--wind", "3,0,0"), "the wind does not move it")):
-            self.assertIn(text, self.works("fog", self.path("waves.png"), "--export-glsl", self.path("more"), *more).message)
-        write_rows(self.path("long.png"), [[9] * 20000])
-        self.assertIn("at most 16384", self.works("fog", self.path("long.png"), "--export-glsl", self.path("more")).message)
             self.fails(2, *self.words(*more))
         self.assertIn("at least 0", self.fails(2, *self.words(sigma=-1)))
         self.fails(2, "fog", self.path("map.png"))

@@ -150,11 +150,11 @@ def encode_srgb(value):
 
 
 def write_rows(path, rows, bits=8, channels=1):
-    """PNG of whole numbers, stored as they are; channels interleaved."""
+    """PNG of whole numbers, stored as they are; channels interleaved: 2 are grey and alpha, 4 with colours."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    head = struct.pack(">IIBBBBB", len(rows[0]) // channels, len(rows), bits, 2 if channels == 3 else 0, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", len(rows[0]) // channels, len(rows), bits, {1: 0, 2: 4, 3: 2, 4: 6}[channels], 0, 0, 0)
     kind = "B" if bits == 8 else "H"
     raw = b"".join(b"\0" + struct.pack(f">{len(row)}{kind}", *row) for row in rows)
     pathlib.Path(path).write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(raw)) +

@@ -12,8 +12,8 @@
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/film/picture_writer.hpp"
-#include "volute/io/frame_pattern.hpp"
 #include "volute/fog/fog_shader.hpp"
+#include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/fog/fog_export.hpp"
 #include "volute/media/fog/fog_frames.hpp"
@@ -235,20 +235,6 @@ Status checkUse(const Arguments& arguments) {
   return checkTarget(target);
 }
 
-Status runFog(const Arguments& arguments, Context& context) {
-  const auto folder = arguments.find<std::string>("export-glsl");
-  const bool pictures = arguments.given("color") || arguments.given("output") || !folder;
-  if (pictures)
-    VOLUTE_TRY(checkUse(arguments));
-  VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
-  VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
-  VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, context));
-  VOLUTE_ASSIGN(const auto fog, FogSceneMedium::open(description, suns, context));
-  tellOfShadows(arguments, geometry, suns, fog->fogAt(0), context.progress);
-  Report report;
-  if (folder) {
-    VOLUTE_TRY(exportFogShader(fog->fogAt(arguments.find<double>("time").value_or(0)), *folder));
-    report.add("shader", *folder);
 /// What shader functions of a fog do not have of it.
 void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
                   const Arguments& arguments, Progress& progress) {
@@ -279,6 +265,21 @@ void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
   }
 }
 
+Status runFog(const Arguments& arguments, Context& context) {
+  const auto folder = arguments.find<std::string>("export-glsl");
+  const bool pictures = arguments.given("color") || arguments.given("output") || !folder;
+  if (pictures)
+    VOLUTE_TRY(checkUse(arguments));
+  VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
+  VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
+  VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, context));
+  VOLUTE_ASSIGN(const auto fog, FogSceneMedium::open(description, suns, context));
+  tellOfShadows(arguments, geometry, suns, fog->fogAt(0), context.progress);
+  Report report;
+  if (folder) {
+    tellOfShader(*fog, suns, arguments, context.progress);
+    VOLUTE_TRY(exportFogShader(fog->fogAt(arguments.find<double>("time").value_or(0)), *folder));
+    report.add("shader", *folder);
   }
   if (pictures) {
     const auto target = arguments.get<std::string>("output");
@@ -291,7 +292,6 @@ void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
     }
-    tellOfShader(*fog, suns, arguments, context.progress);
     tellOfFilm(frames, names.color, description, arguments, context.progress);
     double milliseconds = 0;
     {
@@ -427,7 +427,9 @@ Command fogCommand() {
           "The fog in each pixel is integrated exactly from the eye to the frame's depth: out = T "
           "color + (1 - T) fog-color. The map is a greyscale picture (8 or 16 bits, or .exr), a "
           "pattern of pictures, or a volume one voxel high; the extinction is pixel / maximum x "
-          "sigma-max, without sRGB decoding; its bottom row has the smallest y.",
+          "sigma-max, without sRGB decoding, and x alpha; of a volume value x sigma-max. The "
+          "bottom "
+          "row has the smallest y. Maps with numbers go with the frames of the same numbers.",
       .positionals = {{.name = "MAP", .help = "the painted map of fog"}},
       .options = fogCommandOptions(),
       .run = runFog};

@@ -131,6 +131,35 @@ double fogStep(const void* /*fog*/, const MediumFacts& facts) {
   return (facts.bounds.empty() ? 25 : facts.bounds.size().head<2>().norm()) / kPixels;
 }
 
+/// Members of a profile that its kind does not have.
+void addIdle(const nlohmann::json& profile, ProfileKind kind,
+             std::vector<FogDescription::Idle>& idle) {
+  static constexpr std::array<std::array<std::string_view, 2>, 4> kOwn{
+      {{"bottom", "top"}, {"bottom", "height"}, {"knots", ""}, {"layers", ""}}};
+  const auto at = static_cast<std::size_t>(kind);
+  for (const auto& [name, value] : profile.items()) {
+    if (name == "kind" || name == kOwn[at][0] || name == kOwn[at][1])
+      continue;
+    idle.push_back({"profile/" + name,
+                    fmt::format("a profile of kind {} has {}{}{}", kProfileKinds[at], kOwn[at][0],
+                                kOwn[at][1].empty() ? "" : " and ", kOwn[at][1])});
+  }
+}
+
+/// What was given and changes nothing.
+void addIdle(const nlohmann::json& json, FogDescription& fog) {
+  const bool oneLevel = fog.options.levels == 0;
+  constexpr const char* kOneLevel = "the map has no coarser levels (levels is 0)";
+  if (oneLevel && fog.options.detail.mu != 1)
+    fog.idle.push_back({"mu", kOneLevel});
+  if (oneLevel && fog.options.detail.cellAngle > 0)
+    fog.idle.push_back({"cell_angle", kOneLevel});
+  if (fog.border && fog.wind.head<2>().isZero(0) && *fog.border != FogBorder::kZero)
+    fog.idle.push_back({"border", "there is no wind"});
+  if (fog.described)
+    addIdle(json["profile"], fog.described->kind, fog.idle);
+}
+
 }  // namespace
 
 const FieldTable& fogProfileFields() {
@@ -286,6 +315,8 @@ Error FogDescription::about(Error error, const std::string& member) const {
 Result<FogDescription> parseFog(const nlohmann::json& json, const FieldOrigin& origin) {
   VOLUTE_ASSIGN(auto fog, readAs<FogDescription>(fogFields(), json, origin));
   fog.origin = origin;
+  fog.placed = json.contains("cell") || json.contains("origin");
+  addIdle(json, fog);
   if (fog.top && fog.borderInWind() != FogBorder::kZero) {
     return origin.wrong(fogFields().at("border"),
                         "fog with a top ends where its map does; expected zero");

@@ -60,6 +60,7 @@ struct FogDescription {
   double rate = 25;           ///< numbered maps a second
   bool byNumber = false;  ///< map n is at n / rate, as frame n of a film is; else the first at 0 s
   FogPlacement placement;
+  bool placed = false;  ///< its cell or origin is stated, not the default
   FogRegistration registration = FogRegistration::kPixel;
   std::optional<FogBorder> border{};  ///< nothing: kRepeat in wind, where there is no top
   FogColour colour = FogColour::kRefuse;
@@ -74,6 +75,13 @@ struct FogDescription {
   Blocks blocks{};        ///< the same
   bool multiple = false;  ///< SceneLights
   FogPath path = FogPath::kAuto;
+
+  /// A member that was given and changes nothing: "profile/height".
+  struct Idle {
+    std::string member, reason;
+  };
+
+  std::vector<Idle> idle{};
 
   FogBorder borderInWind() const {
     return border.value_or(wind.head<2>().isZero(0) || top ? FogBorder::kZero : FogBorder::kRepeat);

@@ -508,6 +508,17 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
     out.pixels.alpha = Image(window.width(), window.height(), 1);
   }
   const double time = options.time.value_or(frame.number / options.rate);
+  const std::vector<double>& times = fog.info().times;
+  constexpr double kSlack = 1e-6;  // [s], of divisions by the rate
+  if (times.size() > 1 && !fog.info().loops &&
+      (time < times.front() - kSlack || time > times.back() + kSlack)) {
+    const bool early = time < times.front();
+    out.remarks.push_back(
+        {RemarkCode::kAssumed, early ? "before maps" : "after maps",
+         fmt::format("{}: {:.6g} s is {} map, at {:.6g} s, which stays", fog.info().file, time,
+                     early ? "before the first" : "after the last",
+                     early ? times.front() : times.back())});
+  }
   VOLUTE_ASSIGN(const auto now, fog.at({.time = time}, reading.progress));
   std::vector<AnyMedium> medium;
   VOLUTE_TRY(now->addMediaFor(camera, medium));
@@ -521,17 +532,6 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
         {RemarkCode::kDoubtful, "no fog",
          fmt::format("{}: the fog changes no pixel: its map is 0 there, or elsewhere: it is at x = "
                      "{:g} to {:g}, y = {:g} to {:g}, z = {:g} to {:g} m, the camera at {:g}, "
-  const std::vector<double>& times = fog.info().times;
-  constexpr double kSlack = 1e-6;  // [s], of divisions by the rate
-  if (times.size() > 1 && !fog.info().loops &&
-      (time < times.front() - kSlack || time > times.back() + kSlack)) {
-    const bool early = time < times.front();
-    out.remarks.push_back(
-        {RemarkCode::kAssumed, early ? "before maps" : "after maps",
-         fmt::format("{}: {:.6g} s is {} map, at {:.6g} s, which stays", fog.info().file, time,
-                     early ? "before the first" : "after the last",
-                     early ? times.front() : times.back())});
-  }
                      "{:g}, {:g}",
                      frame.color, box.min.x(), box.max.x(), box.min.y(), box.max.y(), box.min.z(),
                      box.max.z(), eye.x(), eye.y(), eye.z())});

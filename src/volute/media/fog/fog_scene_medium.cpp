@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/io/frame_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/volume_files/volume_input.hpp"
@@ -16,15 +17,16 @@ namespace {
 struct Maps {
   std::vector<FogMap> maps;
   std::vector<double> times;
+  std::optional<VolumeInfo> place{};  ///< where a volume says that its cells are
 };
 
-/// An argument of the library is data here.
-ErrorCode codeOfData(ErrorCode code) {
 /// [s], of the map with a number.
 double timeOfNumber(double number, double first, const FogDescription& fog) {
   return (number - (fog.byNumber ? 0 : first)) / fog.rate;
 }
 
+/// An argument of the library is data here.
+ErrorCode codeOfData(ErrorCode code) {
   return code == ErrorCode::kInvalidArgument ? ErrorCode::kInvalidData : code;
 }
 
@@ -38,9 +40,40 @@ tl::unexpected<Error> aboutEntry(const FogDescription& fog, const Error& error) 
   return tl::unexpected(fog.about({codeOfData(error.code), error.message}));
 }
 
+/// Of a .exr in several parts nobody says which one is the map.
+Status checkOnePart(const std::string& path) {
+  VOLUTE_ASSIGN(const auto info, readFrameInfo(path));
+  if (info.parts.size() < 2)
+    return {};
+  std::string names;
+  for (const FrameChannel& channel : info.channels)
+    names += (names.empty() ? "" : ", ") + channel.name;
+  return fail(ErrorCode::kInvalidData, "{}: has {} parts with the channels {}; expected one part",
+              path, info.parts.size(), names);
+}
+
+/// What is transparent in a painted map was not painted. In a .exr colours are multiplied by alpha.
+Status multiplyByAlpha(const std::string& path, Image& image, const Reading& reading) {
+  VOLUTE_ASSIGN(const auto alpha, readAlpha(path, {.raw = true, .maxMemory = reading.maxMemory}));
+  if (!alpha || std::ranges::all_of(alpha->pixels, [](float value) { return value == 1; }))
+    return {};
+  const auto channels = static_cast<std::size_t>(image.channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    image.pixels[i] *= alpha->pixels[i / channels];
+  reading.progress.remark(
+      Remark{RemarkCode::kAssumed, path + ": its values are multiplied by its alpha: where the map "
+                                          "is transparent it is 0"}
+          .in(path));
+  return {};
+}
+
 Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
                        const Reading& reading) {
-  VOLUTE_ASSIGN(const auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
+  VOLUTE_ASSIGN(auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
+  if (extensionOf(path) == ".exr")
+    VOLUTE_TRY(checkOnePart(path));
+  else
+    VOLUTE_TRY(multiplyByAlpha(path, image, reading));
   auto map = FogMap::fromImage(image, placement, colour);
   if (!map)
     return aboutFile(path, map.error());
@@ -64,17 +97,44 @@ Result<Maps> readPattern(const std::string& path, const FogDescription& fog,
   VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
   std::vector<std::string> paths;
   std::vector<double> numbers;
+  std::vector<int> units;
   for (const NumberedFile& file : files) {
     paths.push_back(file.path.string());
     numbers.push_back(file.frame());
+    units.push_back(file.number);
+  }
+  if (const auto gaps = missingNumbers(units, files.front().scale); !gaps.empty()) {
+    reading.progress.remark(
+        Remark{RemarkCode::kAssumed,
+               fmt::format("{}: {}; the maps before and after are mixed there", path, gaps)}
+            .in(path));
   }
   return readPictures(paths, numbers, fog, reading);
 }
 
 /// A volume one voxel high; row 0 is that of the smallest y.
 Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Reading& reading) {
-  VOLUTE_ASSIGN(const auto input, openVolume(path, {}, reading));
+  auto opened = openVolume(path, {}, reading);
+  bool placeless = false;
+  if (!opened) {  // its cells may be in degrees
+    InputOptions anywhere;
+    anywhere.bounds = Box3{Vec3::Zero(), Vec3::Ones()};
+    auto again = openVolume(path, anywhere, reading);
+    if (!again)
+      return tl::unexpected(opened.error());
+    opened = std::move(again);
+    placeless = true;
+  }
+  const VolumeInput& input = *opened;
   const VolumeInfo& info = input.source->info();
+  if (placeless && !fog.placed) {
+    reading.progress.remark(
+        Remark{RemarkCode::kLeftOut,
+               fmt::format("{}: its coordinates are not metres and are not used; the map's own "
+                           "cell is, {:g} m",
+                           path, fog.placement.cell)}
+            .in(path));
+  }
   if (info.z != 1 || info.channels != 1) {
     return fail(ErrorCode::kInvalidData,
                 "{}: {} x {} x {} voxels of {} channels are no fog map; expected one voxel along z "
@@ -87,9 +147,13 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
                 path, info.x, info.y, info.frameValues() >> 18, reading.maxMemory >> 20);
   }
   Maps maps;
+  if (!placeless)
+    maps.place = info;
+  float largest = 0;
   std::vector<float> frame(info.frameValues());
   for (int i = 0; i < info.frames; ++i) {
     VOLUTE_TRY(input.source->readFrame(i, frame));
+    for (const float value : frame) largest = std::max(largest, value);
     SplineGrid grid(info.x, info.y);
     std::ranges::transform(frame, grid.c.begin(),
                            [&](float value) { return value * fog.placement.sigmaMax; });
@@ -97,7 +161,6 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
     if (!map)
       return aboutFile(fmt::format("{}: frame {}", path, info.frameNumbers[i]), map.error());
     maps.maps.push_back(std::move(*map));
-  std::vector<int> units;
     maps.times.push_back(info.timesAssumed
                              ? timeOfNumber(info.frameScale.frame(info.frameNumbers[i]),
                                             info.frameScale.frame(info.frameNumbers.front()), fog)
@@ -112,13 +175,6 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
             .in(path));
   }
   return maps;
-    units.push_back(file.number);
-  }
-  if (const auto gaps = missingNumbers(units, files.front().scale); !gaps.empty()) {
-    reading.progress.remark(
-        Remark{RemarkCode::kAssumed,
-               fmt::format("{}: {}; the maps before and after are mixed there", path, gaps)}
-            .in(path));
 }
 
 Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
@@ -188,6 +244,63 @@ FogDescription registered(FogDescription fog) {
 
 }  // namespace
 
+namespace {
+
+/// Where a volume's cells lie, if it says so and the map does not lie there.
+void tellOfPlace(const VolumeInfo& info, const FogDescription& fog, Progress& progress) {
+  VolumeInfo silent = info;
+  silent.bounds = Box3();
+  silent.fillDefaults();
+  const auto same = [](const Vec3& a, const Vec3& b) {
+    return (a - b).head<2>().norm() <= 1e-5 * std::max(a.head<2>().norm(), 1.0);
+  };
+  const Vec3 cell = info.voxelSize(), corner = info.bounds.min;
+  const FogPlacement& map = fog.placement;
+  const bool stated = !same(silent.bounds.min, corner) || !same(silent.bounds.max, info.bounds.max);
+  if (fog.placed || !stated || (same(cell, Vec3::Constant(map.cell)) && same(corner, map.origin)))
+    return;
+  progress.remark(Remark{
+      RemarkCode::kLeftOut,
+      fmt::format("{}: says that its cells are {:g} x {:g} m from x = {:g}, y = {:g} m; this "
+                  "is not used: the map's are {:g} m from {:g}, {:g} m",
+                  fog.maps.front(), cell.x(), cell.y(), corner.x(), corner.y(), map.cell,
+                  map.origin.x(), map.origin.y())}
+                      .in(fog.maps.front()));
+}
+
+/// Beyond the map of heights there is no fog.
+void tellOfTop(const FogMap& map, const FogMap& top, const FogDescription& fog,
+               Progress& progress) {
+  const auto end = [](const FogMap& of) {
+    return Vec3(of.origin + of.cell * Vec3(of.coefficients.columns, of.coefficients.rows, 0));
+  };
+  const double slack = top.cell;
+  const Vec3 low = top.origin, high = end(top), from = map.origin, to = end(map);
+  if (low.x() <= from.x() + slack && low.y() <= from.y() + slack && high.x() >= to.x() - slack &&
+      high.y() >= to.y() - slack)
+    return;
+  progress.remark(
+      Remark{RemarkCode::kDoubtful,
+             fmt::format("{}: the map of the top covers x = {:g} to {:g}, y = {:g} to {:g} m, the "
+                         "map of the fog {:g} to {:g}, {:g} to {:g} m: there is no fog beyond the "
+                         "top's; its cell is {:g} m",
+                         fog.top->file, low.x(), high.x(), low.y(), high.y(), from.x(), to.x(),
+                         from.y(), to.y(), top.cell)}
+          .in(fog.top->file));
+}
+
+void tellOfIdle(const FogDescription& fog, Progress& progress) {
+  for (const auto& [member, reason] : fog.idle) {
+    const std::string text = fmt::format("{} has no effect: {}", member, reason);
+    progress.remark(fog.origin.options()
+                        ? Remark(RemarkCode::kLeftOut, text)
+                        : Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", fog.where(), text))
+                              .in(fog.origin.file, fog.origin.path + '/' + member));
+  }
+}
+
+}  // namespace
+
 Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescription& said,
                                                              std::vector<Lamp> lamps,
                                                              Reading& reading) {
@@ -198,6 +311,9 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
   layer.readAt_ = said.placement.origin;
   const FogDescription description = registered(said);
   VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
+  tellOfIdle(said, reading.progress);
+  if (maps.place)
+    tellOfPlace(*maps.place, said, reading.progress);
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
     return tl::unexpected(description.about(
         {ErrorCode::kInvalidData, fmt::format("{} times for {} maps; expected one for each",
@@ -214,6 +330,7 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
   if (description.top) {
     VOLUTE_ASSIGN(const auto top, readMap(description.top->file, description.top->placement,
                                           FogColour::kRefuse, reading));
+    tellOfTop(maps.maps.front(), top, description, reading.progress);
     auto fog = FogMedium::make(maps.maps.front(), description.profile, description.options, top);
     if (!fog)
       return aboutEntry(description, fog.error());
@@ -327,8 +444,9 @@ FogMedium FogSceneMedium::fogAt(double time) const {
 }
 
 /// Whole cells of the way move the coefficients within the map's rectangle, the rest moves the map.
-/// Of the pixels that enter and leave, those parts count that have: the rectangle stays that of calm
-/// air, with as much fog where the map is of one value, and within it is what an endless map shows.
+/// Of the pixels that enter and leave, those parts count that have: the rectangle stays that of
+/// calm air, with as much fog where the map is of one value, and within it is what an endless map
+/// shows.
 Result<FogMedium> FogSceneMedium::bordered(const FogMedium& map, const Vec3& blown) const {
   const bool repeats = description_.borderInWind() == FogBorder::kRepeat;
   const double cell = map.cell();
