@@ -126,7 +126,12 @@ class GltfReader {
       return fail(ErrorCode::kInvalidData, "{}: its scene has no triangles", file_);
     if (!model_.textures.empty())
       mesh_.remarks.push_back("textures are not drawn, the factors of its materials alone");
-    if (std::ranges::any_of(model_.materials, [](const auto& m) { return m.alphaMode == "BLEND"; }))
+    if (hasColors_)
+      mesh_.remarks.push_back(
+          "colours of vertices (COLOR_0) are not drawn, those of its materials alone");
+    if (!model_.lights.empty())
+      mesh_.remarks.push_back("its lights (KHR_lights_punctual) do not shine, the scene's alone");
+    if (std::ranges::any_of(model_.materials, letsLightThrough))
       mesh_.remarks.push_back("materials that let light through (alpha) are drawn opaque");
     return std::move(mesh_);
   }
@@ -141,6 +146,17 @@ class GltfReader {
                   "{}: needs the extension {}, which is not read; export it without", file_, name);
     }
     return {};
+  }
+
+  static bool letsLightThrough(const tinygltf::Material& material) {
+    return material.alphaMode == "BLEND" ||
+           material.extensions.contains("KHR_materials_transmission");
+  }
+
+  /// Below its cutoff everywhere: textures only make alpha less.
+  static bool isCutOut(const tinygltf::Material& material) {
+    const auto& base = material.pbrMetallicRoughness.baseColorFactor;
+    return material.alphaMode == "MASK" && base.size() == 4 && base[3] < material.alphaCutoff;
   }
 
   Status readMaterials() {
@@ -314,6 +330,9 @@ class GltfReader {
     if (primitive.material >= last)
       return fail(ErrorCode::kInvalidData, "{}: there is no material {}", where,
                   primitive.material);
+    if (primitive.material >= 0 && isCutOut(model_.materials[primitive.material]))
+      return {};
+    hasColors_ = hasColors_ || primitive.attributes.contains("COLOR_0");
     const auto material =
         static_cast<std::uint32_t>(primitive.material < 0 ? last : primitive.material);
     const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -340,6 +359,7 @@ class GltfReader {
   const tinygltf::Model& model_;
   std::string file_;
   TriangleMesh mesh_;
+  bool hasColors_ = false;  ///< of vertices
   std::size_t visited_ = 0;
 };
 

@@ -155,6 +155,9 @@ class ObjReader {
           "a surface of {} reflects more light than it gets; expected shares of 0 to 1", bright_));
     if (hasLines_)
       mesh_.remarks.push_back("its points, lines and curves are not drawn, its faces alone");
+    if (hasColors_)
+      mesh_.remarks.push_back(
+          "colours of vertices (v X Y Z R G B) are not drawn, those of its materials alone");
     if (hasMaps_)
       mesh_.remarks.push_back(
           "pictures as colours (map_Kd, map_Ke) are not drawn, Kd and Ke alone");
@@ -208,6 +211,11 @@ class ObjReader {
         return fault(line, "'{}' is no coordinate; expected v X Y Z", word);
     }
     vertices_.push_back(point);
+    if (!rest.empty() && !hasColors_) {
+      int more = 0;  // a fourth is a weight, three or four are a colour
+      while (!nextWord(rest).empty()) ++more;
+      hasColors_ = more >= 3;
+    }
     return {};
   }
 
@@ -325,7 +333,8 @@ class ObjReader {
   // The first library that is not there, such a material, and a colour above 1.
   std::string missing_, unknown_, bright_;
   std::uint32_t material_ = 0;
-  bool hasLines_ = false, hasMaps_ = false, isClear_ = false;  ///< is there what is not drawn
+  bool hasLines_ = false, hasColors_ = false, hasMaps_ = false,
+       isClear_ = false;  ///< is there what is not drawn
 };
 
 }  // namespace

@@ -86,6 +86,16 @@ TEST(Obj, MaterialsMayHaveSpacesInTheirNames) {
   EXPECT_EQ(mesh.materials[mesh.triangles[1].material].baseColor[1], 1);
 }
 
+TEST(Obj, ColoursOfVerticesAreTold) {
+  const TempFolder folder;
+  for (const auto& [more, told] : {std::pair("", false), std::pair(" 1", false),
+                                   std::pair(" 1 0 0", true), std::pair(" 1 1 0 0", true)}) {
+    writeBytes(folder / "a.obj", std::string("v 0 0 0") + more + "\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.obj"));
+    EXPECT_EQ(mesh.remarks.size(), told ? 1U : 0U) << more;
+  }
+}
+
 TEST(Obj, WhatIsNotDrawnIsTold) {
   const TempFolder folder;
   const std::string faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -236,6 +246,26 @@ TEST(Gltf, WhatIsNotDrawnIsTold) {
   writeBytes(folder / "a.glb", glb(json, square()));
   ASSERT_VALUE(const auto mesh, readSurfaces(folder / "a.glb"));
   EXPECT_THAT(mesh.remarks, ElementsAre(HasSubstr("textures"), HasSubstr("drawn opaque")));
+  json = sample(R"([{"mesh":0}])");
+  json.insert(1, R"("extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"}]}},)");
+  json.insert(json.find(R"("POSITION":0)"), R"("COLOR_0":0,)");
+  json.insert(json.find(R"("emissiveFactor")"),
+              R"("extensions":{"KHR_materials_transmission":{"transmissionFactor":1}},)");
+  writeBytes(folder / "a.glb", glb(json, square()));
+  ASSERT_VALUE(const auto more, readSurfaces(folder / "a.glb"));
+  EXPECT_THAT(more.remarks,
+              ElementsAre(HasSubstr("COLOR_0"), HasSubstr("lights"), HasSubstr("drawn opaque")));
+}
+
+TEST(Gltf, WhatAlphaMasksEverywhereIsNotThere) {
+  const TempFolder folder;
+  for (const auto& [alpha, there] : {std::pair("0.4", false), std::pair("0.6", true)}) {
+    std::string json = sample(R"([{"mesh":0}])");
+    json.replace(json.find("0.125,1]") + 6, 1, alpha);
+    json.insert(json.find(R"("emissiveFactor")"), R"("alphaMode":"MASK",)");
+    writeBytes(folder / "a.glb", glb(json, square()));
+    EXPECT_EQ(readSurfaces(folder / "a.glb").has_value(), there) << alpha;
+  }
 }
 
 TEST(Gltf, ErrorsNameTheElement) {
