@@ -188,7 +188,7 @@ TEST_P(Glsl, PolarTableIsThatOfTheLibrary) {
   const Context context(GetParam());
   if (!context.missing.empty())
     GTEST_SKIP() << context.missing;
-  constexpr int kAzimuths = 128, kRadii = 192;
+  constexpr int kAzimuths = 512, kRadii = 192;
   const Vec3 eye(12, 9, 3);
   for (const auto& [name, profile] : fogtest::profiles()) {
     if (name == "exponential")
@@ -227,9 +227,15 @@ TEST_P(Glsl, PolarTableIsThatOfTheLibrary) {
       for (int axis = 0; axis < 3; ++axis) columns[axis].push_back(float(ray.direction[axis]));
       columns[3].push_back(float(ray.end));
     }
-    table.transmittance({eye, columns[0], columns[1], columns[2], columns[3]}, expected);
-    for (std::size_t i = 0; i < rays.size(); ++i)
+    table.lookUp({eye, columns[0], columns[1], columns[2], columns[3]}, expected);
+    std::size_t looked = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      if (expected[i] < 0)
+        continue;  // the library walks it
+      ++looked;
       EXPECT_NEAR(std::exp(-found[4 * i]), expected[i], 5e-5) << name << ", ray " << i;
+    }
+    EXPECT_GT(looked, rays.size() / 8) << name;
   }
 }
 
