@@ -207,6 +207,8 @@ TEST_P(Glsl, PolarTableIsThatOfTheLibrary) {
       glUniform1i(glGetUniformLocation(program, "fogPolarSectors"), 4);
       glUniform2f(glGetUniformLocation(program, "fogPolarRadii"), float(table.firstRadius()),
                   float(table.radiusStep()));
+      const auto bends = largestBends(fog.levels().map());
+      glUniform2f(glGetUniformLocation(program, "fogPolarBends"), float(bends[0]), float(bends[1]));
       glUniform2i(glGetUniformLocation(program, "testSize"), kRadii, 4 * kAzimuths);
     };
     const GLuint fill = linked(
@@ -228,14 +230,18 @@ TEST_P(Glsl, PolarTableIsThatOfTheLibrary) {
       columns[3].push_back(float(ray.end));
     }
     table.lookUp({eye, columns[0], columns[1], columns[2], columns[3]}, expected);
+    std::vector<double> depths(rays.size());
+    fog.opticalDepth(rays, depths);
     std::size_t looked = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-      if (expected[i] < 0)
-        continue;  // the library walks it
+      const double passed = std::exp(-found[4 * i]);
+      EXPECT_NEAR(passed, std::exp(-depths[i]), kPolarError) << name << ", ray " << i;
+      if (expected[i] < 0 || std::abs(passed - std::exp(-depths[i])) < 2e-5)
+        continue;  // one of them walks it
       ++looked;
-      EXPECT_NEAR(std::exp(-found[4 * i]), expected[i], 5e-5) << name << ", ray " << i;
+      EXPECT_NEAR(passed, expected[i], 5e-5) << name << ", ray " << i;
     }
-    EXPECT_GT(looked, rays.size() / 8) << name;
+    EXPECT_GT(looked, 0U) << name;
   }
 }
 

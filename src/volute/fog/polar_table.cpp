@@ -327,6 +327,21 @@ Status checkServed(const FogMedium& fog, const Vec3& eye, const PolarOptions& op
 
 }  // namespace
 
+std::array<double, 2> largestBends(const SplineGrid& map) {
+  const auto value = [&](int i, int j) {
+    return i >= 0 && j >= 0 && i < map.columns && j < map.rows ? map.at(i, j) : 0;
+  };
+  std::array<double, 2> bends{};
+  for (int j = -1; j <= map.rows; ++j) {
+    for (int i = -1; i <= map.columns; ++i) {
+      const double twice = 2 * value(i, j);
+      bends[0] = std::max(bends[0], std::abs(value(i - 1, j) - twice + value(i + 1, j)));
+      bends[1] = std::max(bends[1], std::abs(value(i, j - 1) - twice + value(i, j + 1)));
+    }
+  }
+  return bends;
+}
+
 std::optional<PolarSector> PolarSector::of(const EyeRays& rays) {
   double ahead[2] = {0, 0};
   for (std::size_t i = 0; i < rays.x.size(); ++i) {
@@ -409,22 +424,6 @@ Result<PolarLayout> PolarLayout::of(const FogMedium& fog, const Vec3& eye,
 }
 
 namespace {
-
-/// The largest bend of a map along x and along y: |c(i - 1) - 2 c(i) + c(i + 1)| [1/m].
-std::array<double, 2> largestBends(const SplineGrid& map) {
-  const auto value = [&](int i, int j) {
-    return i >= 0 && j >= 0 && i < map.columns && j < map.rows ? map.at(i, j) : 0;
-  };
-  std::array<double, 2> bends{};
-  for (int j = -1; j <= map.rows; ++j) {
-    for (int i = -1; i <= map.columns; ++i) {
-      const double twice = 2 * value(i, j);
-      bends[0] = std::max(bends[0], std::abs(value(i - 1, j) - twice + value(i + 1, j)));
-      bends[1] = std::max(bends[1], std::abs(value(i, j - 1) - twice + value(i, j + 1)));
-    }
-  }
-  return bends;
-}
 
 /// A sum that a table holds, along an azimuth and the next: how far off it is between them.
 class PolarRowPair {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -50,6 +51,10 @@ struct PolarLayout {
   [[nodiscard]] static Result<PolarLayout> of(const FogMedium& fog, const Vec3& eye,
                                               const PolarOptions& options);
 };
+
+/// The largest bends of a map along x and along y, |c(i - 1) - 2 c(i) + c(i + 1)| [1/m], by which a
+/// table's error between azimuths is bounded.
+std::array<double, 2> largestBends(const SplineGrid& map);
 
 /// All rays from one eye with one azimuth see the same density, one above the other. So its
 /// integrals over the horizontal distance, M_k(azimuth, r) = integral of rho r'^k dr' up to r, k =

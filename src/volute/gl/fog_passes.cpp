@@ -62,7 +62,8 @@ std::vector<ShaderPart> pictureParts(const FogShader& shader, bool polar) {
 struct FogTable {
   GlTexture texture;
   int columns = 0, rows = 0;
-  std::string filled;  ///< what it was filled for, besides the map
+  std::string filled;             ///< what it was filled for, besides the map
+  std::array<double, 2> bends{};  ///< largestBends()
 };
 
 /// FogMedium does not give its levels away, but a copy holds them.
@@ -71,7 +72,7 @@ std::shared_ptr<const void> levelsOf(const FogMedium& fog) {
   return {held, &held->levels()};
 }
 
-void bindTable(const GlProgram& program, const PolarLayout& layout) {
+void bindTable(const GlProgram& program, const PolarLayout& layout, const FogTable& table) {
   program.set("fogPolar", kTableUnit);
   program.set("fogPolarYaw", std::array{static_cast<float>(std::cos(layout.yaw)),
                                         static_cast<float>(std::sin(layout.yaw))});
@@ -79,10 +80,12 @@ void bindTable(const GlProgram& program, const PolarLayout& layout) {
   program.set("fogPolarSectors", layout.sectors);
   program.set("fogPolarRadii",
               std::array{static_cast<float>(layout.from), static_cast<float>(layout.step)});
+  program.set("fogPolarBends",
+              std::array{static_cast<float>(table.bends[0]), static_cast<float>(table.bends[1])});
 }
 
-Status fillTable(FogTable& table, const FogShader& shader, const PolarLayout& layout,
-                 const GlFogMap& map, const GlPicture& picture) {
+Status fillTable(FogTable& table, const FogMedium& fog, const FogShader& shader,
+                 const PolarLayout& layout, const GlFogMap& map, const GlPicture& picture) {
   GlResources& resources = picture.resources;
   const int columns = layout.radii, rows = layout.sectors * layout.azimuths;
   const Vec3 eye = picture.camera.eye();
@@ -98,11 +101,12 @@ Status fillTable(FogTable& table, const FogShader& shader, const PolarLayout& la
                 resources.programs.get("polar table\n" + shader.structure, "fog", resources.passes,
                                        [&] { return tableParts(shader); }));
   table.filled.clear();
+  table.bends = largestBends(fog.levels().map());
   if (table.columns != columns || table.rows != rows)
     table.texture = makeTexture2d(GL_RGBA32F, columns, rows);
   table.columns = columns, table.rows = rows;
   bindFog(*program, "", shader, eye, kMapUnit, map);
-  bindTable(*program, layout);
+  bindTable(*program, layout, table);
   glBindTextureUnit(kTableUnit, 0);
   glBindImageTexture(0, table.texture.name(), 0, GL_FALSE, 0, GL_WRITE_ONLY, GL_RGBA32F);
   const std::int64_t texels = kStepsOfPart / columns;  // each a walk through at most all radii
@@ -167,7 +171,7 @@ Status drawFogAlone(const GlFog& fog, const GlPicture& picture, const GlTarget& 
   if (layout) {
     VOLUTE_ASSIGN(
         table, resources.store.get<FogTable>(levelsOf(fog.fog), [] { return Result<FogTable>(); }));
-    if (const Status filled = fillTable(*table, shader, *layout, *map, picture); !filled)
+    if (const Status filled = fillTable(*table, fog.fog, shader, *layout, *map, picture); !filled)
       layout = tl::unexpected(filled.error());
   }
   if (!layout && layout.error().code != ErrorCode::kUnsupported)
@@ -180,7 +184,7 @@ Status drawFogAlone(const GlFog& fog, const GlPicture& picture, const GlTarget& 
   bindRays(*program, camera, camera.eye(), target.rays);
   bindFog(*program, "", shader, camera.eye(), kMapUnit, *map);
   if (layout) {
-    bindTable(*program, *layout);
+    bindTable(*program, *layout, *table);
     glBindTextureUnit(kTableUnit, table->texture.name());
   }
   program->set("color", Vec3(fog.fog.options().color));

@@ -372,6 +372,25 @@ TEST_F(GlSceneTest, FogAloneByAPolarTable) {
   EXPECT_LE(errorOf(camera, {{glPart(GlFog{other, 1, anyPolar})}}, {&walked, 1}, {}), kBar);
 }
 
+TEST_F(GlSceneTest, RaysThatAPolarTableWouldMissAreWalked) {
+  SplineGrid map(256, 256);
+  for (int j = 0; j < 256; ++j) {
+    for (int i = 0; i < 256; ++i)
+      map.at(i, j) = (i > 40 && i < 44) || (j > 160 && j < 164) ? 0.05 : 0;
+  }
+  const FogMedium fog =
+      *FogMedium::make(*FogMap::fromCoefficients(map, {}), *FogProfile::slab(0, 10), {.degree = 1});
+  const AnyMedium exact(fog);
+  const GlScene scene{{glPart(GlFog{fog, 1, [](const Camera&) {
+                                      return std::optional(PolarOptions{
+                                          .sector = PolarSector{std::numbers::pi / 2, 0.7}});
+                                    }})}};
+  for (const Vec3& eye : {Vec3(128, -256, 25.6), Vec3(128, -128, 25.6), Vec3(42, -30, 4)}) {
+    const Camera camera = Camera::pinhole({eye, Vec3(eye.x(), 128, 0)}, 50, kWidth, kHeight);
+    EXPECT_LE(errorOf(camera, scene, {&exact, 1}, {}), 2e-4) << eye.y();
+  }
+}
+
 /// One zone has level rays between two, whether they are walked or marched.
 TEST_F(GlSceneTest, FogIsSeenAlongABorderOfItsProfile) {
   for (const auto& [name, profile] : fogtest::profiles()) {

@@ -11,13 +11,15 @@
 //
 //   float fogPolarOpticalDepth(vec3 eye, vec3 direction, float distance)
 //
-// is fogOpticalDepth from the table's eye. Steep and very short rays are walked, and so are those beside the sector.
+// is fogOpticalDepth from the table's eye. Steep and very short rays are walked, and so are those beside the sector and
+// those whose transmittance would be off by more than 1e-4, by differences between the table's entries.
 
 uniform highp sampler2D fogPolar;  // RGBA32F, read by texelFetch
 uniform vec2 fogPolarYaw;          // cos and sin of the azimuth in the middle
 uniform float fogPolarTangent;     // of half the angle; 1 with four sectors
 uniform int fogPolarSectors;       // 1, or 4 to look all around
 uniform vec2 fogPolarRadii;        // [m] the first radius, and from one to the next
+uniform vec2 fogPolarBends;        // [1/m] the map's largest |c(i - 1) - 2 c(i) + c(i + 1)| along x and y
 
 vec4 fogPolarEntry(vec3 eye, ivec2 texel, ivec2 size) {
   int azimuths = size.y / fogPolarSectors;
@@ -53,6 +55,32 @@ vec2 fogPolarLook(int row, float share, float r) {
   return a.xz + x * x * (3.0 - 2.0 * x) * (b.xz - a.xz) + bend;
 }
 
+// How far off fogPolarLook may be, as PolarTable estimates it: between rows by second differences and their jumps, by
+// what floats hold of an azimuth, and by edges along an axis of the map (aslant: the ray's tangent to it) that change in
+// less than a row; between radii by the cubic's part.
+vec2 fogPolarError(int first, int azimuths, int row, float r, float aslant, float bend) {
+  int radii = textureSize(fogPolar, 0).x;
+  int column = int(clamp((r - fogPolarRadii.x) / fogPolarRadii.y, 0.0, float(radii) - 1.001));
+  vec2 at[6];  // the row is 2
+  for (int i = 0; i < 6; ++i)
+    at[i] = texelFetch(fogPolar, ivec2(column, clamp(row - 2 + i, first, first + azimuths - 1)), 0).xz;
+  vec2 rise = max(abs(at[3] - at[2]), max(abs(at[2] - at[1]), abs(at[4] - at[3])));
+  vec2 error = 0.5 * rise;
+  if (row >= first + 2 && row + 3 < first + azimuths) {
+    vec2 a = at[1] - 2.0 * at[2] + at[3];
+    vec2 b = at[2] - 2.0 * at[3] + at[4];
+    vec2 jumps = abs(a - (at[0] - 2.0 * at[1] + at[2])) + abs(b - (at[3] - 2.0 * at[4] + at[5]));
+    error = max(abs(a), abs(b)) / 8.0 + jumps * 0.1875;
+  }
+  error += rise * (2e-7 * float(azimuths - 1) / fogPolarTangent + 1.2e-7 * float(azimuths));
+  vec4 near = texelFetch(fogPolar, ivec2(column, row), 0);
+  vec4 far = texelFetch(fogPolar, ivec2(column + 1, row), 0);
+  error += abs(fogPolarRadii.y * (near.yw + far.yw) - 2.0 * (far.xz - near.xz)) / 12.0;
+  float apart = r * 2.0 * fogPolarTangent / (float(azimuths - 1) * fogCell);
+  if (aslant <= 0.7 * apart) error += min(apart, 1.0) * 0.25 * bend * fogCell * vec2(1.0, r);
+  return error;
+}
+
 float fogPolarOpticalDepth(vec3 eye, vec3 direction, float distance) {
   float level = length(direction.xy);
   vec2 turned = vec2(dot(direction.xy, fogPolarYaw), dot(direction.xy, vec2(-fogPolarYaw.y, fogPolarYaw.x)));
@@ -72,17 +100,30 @@ float fogPolarOpticalDepth(vec3 eye, vec3 direction, float distance) {
     return fogOpticalDepth(eye, direction, distance);
   int azimuths = textureSize(fogPolar, 0).y / fogPolarSectors;
   float place = clamp((q + fogPolarTangent) * float(azimuths - 1) / (2.0 * fogPolarTangent), 0.0, float(azimuths) - 1.001);
-  int row = sector * azimuths + int(place);
+  int first = sector * azimuths;
+  int row = first + int(place);
   float share = fract(place);
   float height = eye.z - fogCorner.z;
+  vec2 across = abs(direction.xy);
+  float aslant = min(across.x, across.y) / max(across.x, across.y);
+  float bend = across.x < across.y ? fogPolarBends.x : fogPolarBends.y;
   float sum = 0.0;
+  float off = 0.0;
   for (int zone = 0; zone < FOG_ZONES; ++zone) {
     float begin = 0.0;
     float end = distance;
     if (!fogClipZone(zone, height, direction.z, begin, end)) continue;
     vec2 moments = fogPolarLook(row, share, end * level);
-    if (begin * level > fogPolarRadii.x) moments -= fogPolarLook(row, share, begin * level);
-    sum += fogProfile(fogZones[zone], height) * moments.x + fogZones[zone].y * direction.z / level * moments.y;
+    vec2 error = fogPolarError(first, azimuths, row, end * level, aslant, bend);
+    if (begin * level > fogPolarRadii.x) {
+      moments -= fogPolarLook(row, share, begin * level);
+      error += fogPolarError(first, azimuths, row, begin * level, aslant, bend);
+    }
+    vec2 factors = vec2(fogProfile(fogZones[zone], height), fogZones[zone].y * direction.z / level);
+    sum += dot(factors, moments);
+    off += dot(abs(factors), error);
   }
-  return max(sum, 0.0) / level;
+  float depth = max(sum, 0.0) / level;
+  off /= level;
+  return exp(min(off - depth, 0.0)) * off > 5e-5 ? fogOpticalDepth(eye, direction, distance) : depth;
 }

@@ -8,6 +8,7 @@
 
 #include "volute/base/write_file.hpp"
 #include "volute/fog/fog_shader.hpp"
+#include "volute/fog/polar_table.hpp"
 #include "volute/report/json_text.hpp"
 
 namespace volute {
@@ -39,8 +40,8 @@ constexpr const char* kPolarReadme =
     R"(* `fog_polar.glsl`, behind fog.glsl: a table for one eye, two look-ups instead of a walk. Draw
   `fogPolarEntry(eye, ivec2(gl_FragCoord.xy), size)` into an RGBA32F texture of radii x
   azimuths when the eye moves, then call `fogPolarOpticalDepth`. Uniforms: fogPolar,
-  fogPolarYaw, fogPolarTangent, fogPolarSectors, fogPolarRadii; its head explains them. In OpenGL
-  ES 3.0 drawing to RGBA32F needs EXT_color_buffer_float.
+  fogPolarYaw, fogPolarTangent, fogPolarSectors, fogPolarRadii, fogPolarBends (in fog.json); its
+  head explains them. In OpenGL ES 3.0 drawing to RGBA32F needs EXT_color_buffer_float.
 )";
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -75,7 +76,10 @@ Status exportFogShader(const FogMedium& fog, const std::filesystem::path& folder
   if (!shader.polar.empty())
     VOLUTE_TRY(writeFile(folder / "fog_polar.glsl", shader.polar));
   VOLUTE_TRY(writeFile(folder / "fog_map.f32", std::as_bytes(std::span(shader.texels))));
-  VOLUTE_TRY(writeFile(folder / "fog.json", dumpJson(uniforms(shader, fog.options().color))));
+  auto values = uniforms(shader, fog.options().color);
+  if (!shader.polar.empty())
+    values["fogPolarBends"] = largestBends(fog.levels().map());
+  VOLUTE_TRY(writeFile(folder / "fog.json", dumpJson(values)));
   std::string readme = replaced(kReadme, "{width}", fmt::format("{}", shader.width));
   readme = replaced(readme, "{height}", fmt::format("{}", shader.height));
   return writeFile(folder / "README.md",

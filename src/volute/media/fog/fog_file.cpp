@@ -242,7 +242,7 @@ const FieldTable& fogFields() {
        .least = 0, .most = kMaxSplineDegree, .option = {"D"}, .slider = {.label = "degree"}},
       {.name = "path", .type = kChoice, .access = member<&Fog::path>(),
        .help = "walk: every ray, exactly; polar: through a table for each camera position, "
-               "within 1e-4 of the transmittance (1/512 by OpenGL), if applicable (degree 1 to 3, "
+               "within 1e-4 of the transmittance (by OpenGL 2e-4), if applicable (degree 1 to 3, "
                "slab, linear or layers, no sun, no top, all details), else walk; rays that would "
                "be further off are walked; auto: polar for pictures of maps of 128 pixels and "
                "more, walk in measurements", .choices = kPaths,
