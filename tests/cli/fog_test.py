@@ -377,6 +377,8 @@ class Frames(FogCase):
             f'format="ascii">{"0.5 " * 1600}</DataArray></CellData></Piece></ImageData></VTKFile>')
         self.assertIn("cells are 3 x 3 m from x = 5, y = 6 m; this is not used", said("small.vti"))
         self.assertNotIn("not used", said("small.vti", "--cell", "1"))
+        self.path("map.jpg").write_bytes(b"\xff\xd8\xff\xe0")
+        self.assertIn("expected .png (8 or 16 bits) or .exr", self.fails(1, "fog", self.path("map.jpg"), *self.words(out="none.exr")[2:]))
         # Parts of a .exr: nobody says which one is the map.
         part = {"Y": [0.5] * 1600}
         write_parts(self.path("parts.exr"), [Part(40, 40, part, "low"), Part(40, 40, part, "fog")])
@@ -394,6 +396,9 @@ class Frames(FogCase):
         write_planes(self.path("color.exr"), 8, 6, planes)
         self.assertIn("2 other channels of the frame are left out: N.X, diffuse.R", self.works(*self.words()).message)
         self.assertNotIn("left out", self.works(*self.words(out="x.png")).message)
+        planes["R"][0] = float("nan")
+        write_planes(self.path("color.exr"), 8, 6, planes)
+        self.assertIn("values that are infinite or no numbers (1)", self.works(*self.words(out="x.png")).message)
 
     def test_a_camera_with_keys_is_refused(self):
         self.camera({"eye": [20, -5, 5], "target": [20, 15, 5], "fov": 60, "keys": [[0, 20, -5, 5, 20, 15, 5], [1, 20, 5, 5, 20, 15, 5]]})

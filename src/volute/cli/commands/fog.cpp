@@ -55,6 +55,10 @@ std::vector<std::string> lostIn(const std::string& target, const FramePixels& fr
     lost.push_back("pixels outside the display window");
   if (part.pixelAspect != 1)
     lost.push_back(fmt::format("that pixels are {:g} times as wide as high", part.pixelAspect));
+  const auto numbers =
+      std::ranges::count_if(frame.color.pixels, [](float value) { return !std::isfinite(value); });
+  if (numbers > 0)
+    lost.push_back(fmt::format("values that are infinite or no numbers ({})", numbers));
   if (frame.alpha && isFilmPath(target))
     lost.push_back("alpha (it is over black)");
   return lost;

@@ -179,6 +179,14 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
 
 Result<Maps> loadMaps(const FogDescription& fog, Reading& reading) {
   const std::string& first = fog.maps.front();
+  constexpr std::string_view kOtherPictures[] = {".jpg", ".jpeg", ".tif",  ".tiff", ".pgm", ".ppm",
+                                                 ".bmp", ".tga",  ".webp", ".gif",  ".jp2", ".hdr"};
+  if (std::ranges::find(kOtherPictures, extensionOf(first)) != std::end(kOtherPictures)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: pictures of this kind are not read as maps; expected .png (8 or 16 bits) or "
+                ".exr, or a volume one voxel high",
+                first);
+  }
   if (fog.maps.size() == 1 && !isPicturePath(first))
     return readVolume(first, fog, reading);
   if (fog.maps.size() == 1 && namesSeriesOfFiles(first))

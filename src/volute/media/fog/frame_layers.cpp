@@ -185,6 +185,9 @@ Result<ColorChannels> colorChannels(std::span<const FrameChannel> channels,
 
 Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& wanted,
                                   const std::string& layer) {
+  if (info.channels.empty())
+    return fail(ErrorCode::kInvalidData,
+                "has no channel of half or float; expected the depth as one, not as integers");
   const std::span<const FrameChannel> channels = info.channels;
   if (!wanted.empty()) {
     const FrameChannel* channel = find(channels, wanted);
