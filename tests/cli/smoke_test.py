@@ -222,7 +222,11 @@ class Quantities(SmokeCase):
         self.works(*case, "--quantity", "extinction", "--scale", "3.280839895")
         mesh = smoke_files.box((0, 0, 0), (10000, 4000, 3000), (2, 1, 1))
         smoke_files.write_vtu(self.path("slab.vtu"), mesh, {"K": [1.0] * len(mesh[0])})
-        self.assertIn("in millimetres it would be 10 x 4 x 3 m", self.fails(1, *case, "--quantity", "extinction"))
+        self.assertIn("in millimetres it would be 10 x 4 x 3 m", self.works(*case, "--quantity", "extinction").message)
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [9, 10, 10], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n1,10,10\n")
+        self.assertIn("in millimetres", self.fails(1, "visibility", self.path("slab.vtu"), "--quantity", "extinction", "--signs",
+                                                   self.path("signs.json"), "--eyes", self.path("eyes.csv"), "-o", self.path("out"), "--strict"))
 
     def test_scenes_name_the_place(self):
         self.slab(0.3)

@@ -402,11 +402,13 @@ class Tenability(Cases):
         self.path("one.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [4, 2, 2], "normal": [-1, 0, 0]}]}))
         command = ("visibility", self.path("much.vtu"), "--field", "smoke", "--quantity", "extinction", "--signs", self.path("one.json"),
                    "--eyes", self.path("eyes.csv"), "-o", self.path("out"))
-        self.assertIn("field 'CO' is -0.01 at 0 s, as mol/mol -0.01 mol/mol; expected 0 to 1", self.fails(1, *command))
+        self.assertIn("field 'CO' is -0.01 at 0 s, read in mol/mol; expected none or more of a gas", self.fails(1, *command))
         write_vtu(self.path("much.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01, more=[("O2", lambda *_: 20.9), ("CO", lambda *_: -1e-6)])
-        self.assertIn("field 'O2' is 20.9 at 0 s, as mol/mol 20.9 mol/mol; expected 0 to 1: state its unit, as oxygen=O2:%",
+        self.assertIn("field 'O2' is 20.9 at 0 s, read in mol/mol; expected no more than all of the air: state its unit, as oxygen=O2:%",
                       self.fails(1, *command))
         self.works(*command, "--air-fields", "oxygen=O2:%")
+        write_vtu(self.path("much.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.01, more=[("CO", lambda *_: 1)])
+        self.works(*command, "--air-fields", "carbon-monoxide=CO:kg/kg")
 
     def test_people_and_routes_outside_are_said(self):
         case, signs = self.case(), self.signs()

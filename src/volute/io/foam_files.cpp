@@ -9,7 +9,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <span>
 #include <sstream>
@@ -28,13 +27,12 @@ std::optional<T> numberOf(std::string_view word) {
 }
 
 /// The first bytes of a file, unpacked.
-std::string beginOf(const std::filesystem::path& path) {
-  constexpr unsigned kEnough = 64 << 10;
+std::string beginOf(const std::filesystem::path& path, unsigned most = 64 << 10) {
   const gzFile file = ::gzopen(path.c_str(), "rb");  // reads what is not packed as it is
   if (!file)
     return "";
-  std::string text(kEnough, ' ');
-  text.resize(static_cast<std::size_t>(std::max(::gzread(file, text.data(), kEnough), 0)));
+  std::string text(most, ' ');
+  text.resize(static_cast<std::size_t>(std::max(::gzread(file, text.data(), most), 0)));
   ::gzclose(file);
   return text;
 }
@@ -103,7 +101,7 @@ std::vector<double> timesIn(const std::filesystem::path& folder) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const auto time = numberOf<double>(entry.path().filename().string());
-    if (time && entry.is_directory(error))
+    if (time && std::isfinite(*time) && entry.is_directory(error))
       times.push_back(*time);
   }
   std::ranges::sort(times);
@@ -134,15 +132,11 @@ Processors processorsOf(const std::filesystem::path& folder) {
   return out;
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Whether one of `wanted` that is later than `after` is among ascending times.
-bool hasAny(std::span<const double> times, std::span<const double> wanted, double after) {
-  return std::ranges::any_of(wanted, [&](double one) {
-    const double near = 1e-9 * std::max(1.0, std::abs(one));
-    const auto at = std::ranges::lower_bound(times, one - near);
-    return one > after && at != times.end() && *at <= one + near;
-  });
+/// Whether a time is among ascending ones.
+bool has(std::span<const double> times, double time) {
+  const double near = 1e-9 * std::max(1.0, std::abs(time));
+  const auto at = std::ranges::lower_bound(times, time - near);
+  return at != times.end() && *at <= time + near;
 }
 
 /// With meshes of their own.
@@ -265,7 +259,8 @@ std::vector<std::string> foamFields(const std::filesystem::path& casePath, doubl
   for (const auto& entry : std::filesystem::directory_iterator(*folder, error)) {
     if (!entry.is_regular_file(error))
       continue;
-    const std::string head = withoutComments(beginOf(entry.path()));
+    constexpr unsigned kHead = 4 << 10;  // of a file whose class is asked for
+    const std::string head = withoutComments(beginOf(entry.path(), kHead));
     const std::size_t type = head.find_first_not_of(" \t\r\n", head.find("class") + 5);
     const std::string_view word = std::string_view(head).substr(std::min(type, head.size()));
     if (head.find("class") == head.npos ||
@@ -288,13 +283,13 @@ Status checkFoamMesh(const std::filesystem::path& casePath) {
   const Processors processors = processorsOf(folder);
   if (std::filesystem::exists(folder / "constant" / "polyMesh", error)) {
     const auto times = timesIn(folder);
-    if (processors.times.size() < 2 || hasAny(times, processors.times, processors.times.front()))
+    if (times.size() > 1 || processors.times.size() < 2)
       return {};
     return fail(ErrorCode::kUnsupported,
-                "{}: the case itself has none of the {} times that its {} processors have until "
+                "{}: the case itself has {} of the {} times that its {} processors have until "
                 "{:g} s; expected them in one: run reconstructPar in its folder",
-                casePath.string(), processors.times.size(), processors.count,
-                processors.times.back());
+                casePath.string(), times.empty() ? "none" : "one", processors.times.size(),
+                processors.count, processors.times.back());
   }
   if (processors.count > 0) {
     return fail(ErrorCode::kUnsupported,
@@ -311,35 +306,46 @@ Status checkFoamMesh(const std::filesystem::path& casePath) {
   return {};
 }
 
-std::vector<std::string> foamDoubts(const std::filesystem::path& casePath) {
+std::vector<Remark> foamRemarks(const std::filesystem::path& casePath) {
   const auto folder = caseFolder(casePath);
-  std::vector<std::string> doubts;
-  const auto say = [&](const std::string& what) {
-    doubts.push_back(fmt::format("{}: {}", casePath.string(), what));
+  std::vector<Remark> remarks;
+  const auto say = [&](RemarkCode code, const std::string& what) {
+    remarks.push_back(
+        Remark(code, fmt::format("{}: {}", casePath.string(), what)).in(casePath.string()));
   };
   const auto own = timesIn(folder);
   std::vector<double> missing;
   for (const double time : processorsOf(folder).times) {
-    if (!hasAny(own, std::span(&time, 1), -kInfinity))
+    if (!has(own, time))
       missing.push_back(time);
   }
-  if (!missing.empty())
-    say(
-        fmt::format("{} times of its processors, {:g} to {:g} s, are not in the case itself and "
-                    "are left out: run reconstructPar in its folder",
+  if (!missing.empty()) {
+    say(RemarkCode::kLeftOut,
+        fmt::format("times that its processors alone have are left out: {} from {:g} to {:g} s; "
+                    "run reconstructPar in its folder",
                     missing.size(), missing.front(), missing.back()));
+  }
   if (const auto regions = regionsOf(folder); !regions.empty())
-    say(fmt::format("regions besides the default one are left out: {}", fmt::join(regions, ", ")));
+    say(RemarkCode::kNote,
+        fmt::format("regions besides the default one are left out: {}", fmt::join(regions, ", ")));
   if (const auto clouds = cloudsOf(folder, own); !clouds.empty())
-    say(fmt::format("clouds of particles are left out: {}", fmt::join(clouds, ", ")));
-  const auto gravity = gravityOf(folder);
-  const double pull = gravity ? std::hypot((*gravity)[0], (*gravity)[1], (*gravity)[2]) : 0;
-  if (pull > 0 && !(-(*gravity)[2] > 0.5 * pull))
-    say(
-        fmt::format("constant/g is ({:g} {:g} {:g}), and z is upwards here: floors, heights of "
-                    "eyes and plans would be on their side; turn the mesh (transformPoints)",
-                    (*gravity)[0], (*gravity)[1], (*gravity)[2]));
-  return doubts;
+    say(RemarkCode::kNote,
+        fmt::format("clouds of particles are left out: {}", fmt::join(clouds, ", ")));
+  return remarks;
+}
+
+std::string foamGravity(const std::filesystem::path& casePath) {
+  const auto gravity = gravityOf(caseFolder(casePath));
+  if (!gravity)
+    return "";
+  const auto [x, y, z] = *gravity;
+  const double pull = std::hypot(x, y, z);
+  if (!(pull > 0) || -z > 0.5 * pull)
+    return "";
+  return fmt::format(
+      "{}: constant/g is ({:g} {:g} {:g}), and z is upwards here: floors and heights of eyes are "
+      "on their side; turn the mesh (transformPoints)",
+      casePath.string(), x, y, z);
 }
 
 Status checkFoamByteOrder(const std::filesystem::path& casePath) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 
 namespace volute {
@@ -37,9 +38,11 @@ using FoamDimensions = std::array<double, 7>;
 /// run or in regions alone, and says how to put it together.
 [[nodiscard]] Status checkFoamMesh(const std::filesystem::path& casePath);
 
-/// What a case has besides what is read of it (times of a parallel run, regions, clouds), and
-/// gravity that is not along -z; a sentence each.
-[[nodiscard]] std::vector<std::string> foamDoubts(const std::filesystem::path& casePath);
+/// What a case has besides what is read of it: times of a parallel run, regions, clouds.
+[[nodiscard]] std::vector<Remark> foamRemarks(const std::filesystem::path& casePath);
+
+/// A sentence on constant/g where it is not along -z; empty: it is, or there is none.
+[[nodiscard]] std::string foamGravity(const std::filesystem::path& casePath);
 
 /// Refuses binary files in the byte order of another machine, which VTK takes for its own; looks at
 /// the mesh, the first and the last time.

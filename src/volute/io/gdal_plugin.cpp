@@ -135,6 +135,8 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
     if (said && lowerCase(said) == "down") {
       for (double& value : values) value = -value;
     }
+  } else if (unitChange(stated, "Pa")) {
+    for (double& value : values) value = -value;  // pressure grows downwards
   }
   if (stated.empty() || unit.empty())
     return values;
@@ -513,7 +515,8 @@ class GdalReader final : public ArrayReader {
             return fail(ErrorCode::kUnsupported, "{}: {}; interpolate the array to even voxels",
                         file_, uneven);
           }
-          uneven.copy(facts.doubt, ArrayFacts::kMaxText);
+          if (facts.doubt[0] == 0)
+            uneven.copy(facts.doubt, ArrayFacts::kMaxText);
           break;
         }
       }

@@ -456,7 +456,7 @@ Result<MeshSource> MeshSource::open(const std::filesystem::path& path, const Mes
   if (extensionOf(path) == ".pvd")
     source.readHeads();
   if (extensionOf(path) == ".foam")
-    source.doubts_ = foamDoubts(path);
+    source.remarks_ = foamRemarks(path);
   VOLUTE_TRY(source.leaveOutAbsent(path));
   bool ascending = extensionOf(path) == ".pvd";
   for (const FrameLocation& location : source.locations_) {
@@ -582,7 +582,7 @@ void MeshSource::readHeads() {
     fieldLists_.push_back(std::move(head->fields));
   }
   if (std::string said = contradictionOf(files); !said.empty())
-    doubts_.push_back(std::move(said));
+    remarks_.push_back(Remark(RemarkCode::kDoubtful, std::move(said)).in(path_.string()));
 }
 
 std::vector<std::vector<std::string>> MeshSource::fieldNames() const {
@@ -657,12 +657,14 @@ void MeshSource::keepTimesOf(const std::filesystem::path& path) {
     return;
   std::vector<FrameLocation> locations;
   std::vector<double> times;
-  for (std::size_t i = 0; i < times_.size(); ++i) {
-    if (std::ranges::find(*own, times_[i]) != own->end())
-      locations.push_back(locations_[i]), times.push_back(times_[i]);
+  for (const double time : *own) {  // VTK rounds them to float
+    const auto found = std::ranges::find_if(
+        times_, [time](double one) { return static_cast<float>(one) == static_cast<float>(time); });
+    if (found == times_.end())
+      return;
+    locations.push_back(locations_[static_cast<std::size_t>(found - times_.begin())]);
+    times.push_back(*found);
   }
-  if (times.empty())
-    return;
   locations_ = std::move(locations);
   times_ = std::move(times);
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/io/memory_mesh.hpp"
 #include "volute/io/mesh.hpp"
@@ -96,8 +97,8 @@ class MeshSource {
   std::string absentText() const;
 
   /// What a .pvd says against its files (contradictionOf()), and what an OpenFOAM case has besides
-  /// (foamDoubts()), a sentence each.
-  std::span<const std::string> doubts() const { return doubts_; }
+  /// (foamRemarks()).
+  std::span<const Remark> remarks() const { return remarks_; }
 
   /// The names of the fields at each time, where that is told without reading them: of each file of
   /// a .pvd (of absent ones too), of each time's folder of OpenFOAM; else empty.
@@ -134,7 +135,7 @@ class MeshSource {
   std::vector<FrameLocation> locations_;
   std::vector<double> absent_;
   std::string absentWhat_;  // what is absent then
-  std::vector<std::string> doubts_;
+  std::vector<Remark> remarks_;
   std::vector<std::vector<MeshFieldSummary>> fieldLists_;
   // What the first frame that was read settled for all.
   std::string settledField_;

@@ -116,10 +116,11 @@ TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
   const SeriesFile files[] = {{"a.vtu", 0}, {"b.vtu", 1}, {"a.vtu", 2.5}};
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", files)));
   ASSERT_VALUE(const auto source, MeshSource::open(folder / "s.pvd"));
-  EXPECT_THAT(source.doubts(), ElementsAre(HasSubstr("a.vtu: is there at 0 s and at 2.5 s")));
+  ASSERT_EQ(source.remarks().size(), 1);
+  EXPECT_THAT(source.remarks()[0].sentence, HasSubstr("a.vtu: is there at 0 s and at 2.5 s"));
   ASSERT_TRUE(testing::ok(writePvd(folder / "s.pvd", std::span(files).first(2))));
   ASSERT_VALUE(const auto once, MeshSource::open(folder / "s.pvd"));
-  EXPECT_THAT(once.doubts(), ::testing::IsEmpty());
+  EXPECT_THAT(once.remarks(), ::testing::IsEmpty());
 }
 
 TEST(MeshSource, FieldsOfPointsAndCellsWithOneNameAreToldApart) {
@@ -178,7 +179,7 @@ TEST(MeshSource, ATimeThatAFileStatesOtherwiseIsTold) {
     const auto source = MeshSource::open(folder / "s.pvd");
     if (!source)
       return source.error().message;
-    return source->doubts().empty() ? std::string() : source->doubts().front();
+    return source->remarks().empty() ? std::string() : source->remarks().front().sentence;
   };
   EXPECT_EQ(said({{"a.vtu", 0}, {"b.vtu", 10}}), "");
   EXPECT_THAT(said({{"a.vtu", 0}, {"b.vtu", 60}}),

@@ -132,13 +132,16 @@ void appendCell(vtkUnstructuredGrid* grid, vtkIdType cell, vtkIdList* ids,
   }
 }
 
-MeshFieldSummary summaryOf(const Field& field) {
+/// @param leftOut  points that are, or empty
+MeshFieldSummary summaryOf(const Field& field, std::span<const std::uint8_t> leftOut) {
   MeshFieldSummary summary;
   std::string(field.array->GetName()).copy(summary.name, MeshSize::kMaxName);
   summary.ofCells = field.ofCells;
   summary.components = field.array->GetNumberOfComponents();
   bool any = false;
   for (vtkIdType i = 0; i < field.array->GetNumberOfTuples(); ++i) {
+    if (!field.ofCells && !leftOut.empty() && leftOut[static_cast<std::size_t>(i)] != 0)
+      continue;
     double value = field.array->GetComponent(i, 0);
     for (int c = 1; c < summary.components; ++c)
       value = std::hypot(value, field.array->GetComponent(i, c));
@@ -164,11 +167,16 @@ class VtkMeshReader final : public MeshReader {
   Result<MeshSize> load(const std::filesystem::path& path, std::size_t frame,
                         const std::string& wanted, const MeshShare& share) override {
     const std::string file = path.string();
-    VOLUTE_ASSIGN(const VtkVolume volume, readVtkVolume(path, frame, wanted, share));
-    vtkUnstructuredGrid* grid = volume.grid;
+    VOLUTE_ASSIGN(VtkVolume volume, readVtkVolume(path, frame, wanted, share));
     std::vector<GridEntry> names;
     std::vector<Field> fields;
-    listFields(grid, names, fields);
+    listFields(volume.grid, names, fields);
+    const bool foam = extensionOf(path) == ".foam";
+    if (foam && names.empty() && !wanted.empty()) {  // to say what there is
+      VOLUTE_ASSIGN(volume, readVtkVolume(path, frame, "", share));
+      listFields(volume.grid, names, fields);
+    }
+    vtkUnstructuredGrid* grid = volume.grid;
     if (volume.partial.contains(wanted) || (names.empty() && !volume.partial.empty())) {
       return fail(ErrorCode::kUnsupported,
                   "{}: its blocks have not the same fields: {}; expected the field in all of them",
@@ -183,8 +191,15 @@ class VtkMeshReader final : public MeshReader {
     data_.ghosts = volume.ghosts;
     if (wanted.empty() && extensionOf(path) == ".case")
       VOLUTE_TRY(checkEnsight(path, data_.field, volume.time));
-    if (extensionOf(path) == ".foam")
+    if (foam) {
       data_.dimensions = foamDimensions(path, data_.field, volume.time);
+      names.clear();
+      for (std::string& name : foamFields(path, volume.time)) {
+        if (name != data_.field)
+          names.push_back({std::move(name), "", true});
+      }
+      data_.others = otherGrids(names, names.size(), MeshSize::kMaxName);
+    }
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
     return sizeOfData();
   }
@@ -210,7 +225,7 @@ class VtkMeshReader final : public MeshReader {
     contents.blocks = volume.blocks;
     partialText(volume).copy(contents.partial, MeshSize::kMaxName);
     std::vector<MeshFieldSummary> summaries;
-    for (const Field& field : fields) summaries.push_back(summaryOf(field));
+    for (const Field& field : fields) summaries.push_back(summaryOf(field, leftOut_));
     tellApart(summaries);
     return std::pair(contents, std::move(summaries));
   }
@@ -243,6 +258,7 @@ class VtkMeshReader final : public MeshReader {
     for (vtkIdType i = 0; i < grid->GetNumberOfPoints(); ++i)
       grid->GetPoint(i, data_.soup.vertices[static_cast<std::size_t>(i)].data());
     vtkNew<vtkIdList> ids;
+    leftOut_.clear();
     std::vector<vtkIdType> leftOut;  // points of cells without a volume
     const auto cells = static_cast<std::size_t>(grid->GetNumberOfCells());
     data_.soup.shapes.reserve(cells);
@@ -300,9 +316,12 @@ class VtkMeshReader final : public MeshReader {
         place[static_cast<std::size_t>(id)] = kUsed;
     });
     std::size_t kept = 0;
+    leftOut_.assign(place.size(), 0);
     for (std::size_t i = 0; i < place.size(); ++i) {
-      if (place[i] == kDropped)
+      if (place[i] == kDropped) {
+        leftOut_[i] = 1;
         continue;
+      }
       soup.vertices[kept] = soup.vertices[i];
       if (withValues)
         data_.values[kept] = data_.values[i];
@@ -318,6 +337,7 @@ class VtkMeshReader final : public MeshReader {
   }
 
   MeshData data_;
+  std::vector<std::uint8_t> leftOut_;  // points of the file; empty: none
 };
 
 }  // namespace

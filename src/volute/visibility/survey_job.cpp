@@ -193,9 +193,10 @@ class Job {
   /// On the largest extinction of all ranks' times.
   Status remarkOnAll() {
     const double own = field_.largestRead().value_or(-1);
-    VOLUTE_ASSIGN(const auto all, gatherValues(team_, std::span(&own, 1)));
-    const double largest = std::ranges::max(all);
-    if (!team_.leads() || largest < 0)
+    VOLUTE_ASSIGN(const auto each, gatherValues(team_, std::span(&own, 1)));
+    const double largest = std::ranges::max(each);
+    const bool all = chosen_.size() == field_.times().size();
+    if (!team_.leads() || largest < 0 || (largest == 0 && !all))
       return {};
     for (const Remark& remark : field_.remarksOn(largest)) log_.remark(remark);
     return {};

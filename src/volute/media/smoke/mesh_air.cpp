@@ -118,17 +118,20 @@ class MeshPoints final : public PointField {
   /// Of a gas: no air has more of it than all. Less than none is what schemes of a solver leave,
   /// unless it is much.
   Status checkGas(std::span<const float> values, std::size_t number) const {
-    constexpr double kAll = 1.001, kLittle = 1e-4, kShare = 0.01;  // [mol/mol], of the largest
+    constexpr double kAll = 1.01, kLittle = 1e-4, kShare = 0.01;  // shares; kShare of the largest
     const auto [least, most] = std::ranges::minmax(values);
-    const double low = conversion_.factor * least, high = conversion_.factor * most;
+    const double factor = named_.unit == "kg/kg" ? 1 : conversion_.factor;
+    const double low = factor * least, high = factor * most;
     if (high <= kAll && low >= -std::max(kLittle, kShare * high))
       return {};
-    return fail(
-        ErrorCode::kInvalidData, Hint::set("air_fields"),
-        "{}: field '{}' is {:g} at {:g} s, as {} {:.4g} mol/mol; expected 0 to 1: state its "
-        "unit, as {}={}:%",
-        source_.path().string(), named_.field, high > kAll ? most : least, times()[number],
-        named_.unit, high > kAll ? high : low, named_.quantity, named_.field);
+    const std::string found =
+        fmt::format("{}: field '{}' is {:g} at {:g} s, read in {}", source_.path().string(),
+                    named_.field, high > kAll ? most : least, times()[number], named_.unit);
+    if (high <= kAll)
+      return fail(ErrorCode::kInvalidData, "{}; expected none or more of a gas", found);
+    return fail(ErrorCode::kInvalidData, Hint::set("air_fields"),
+                "{}; expected no more than all of the air: state its unit, as {}={}:%", found,
+                named_.quantity, named_.field);
   }
 
   /// The values of a stored time; TetSightSnapshot interpolates whatever they are.
@@ -138,7 +141,8 @@ class MeshPoints final : public PointField {
     VOLUTE_ASSIGN(auto read, source_.read(number));
     if (ofGas_) {
       VOLUTE_TRY(checkGas(read.values, number));
-      for (float& value : read.values) value = std::max(value, 0.0F);
+      const auto all = static_cast<float>(1 / conversion_.factor);
+      for (float& value : read.values) value = std::clamp(value, 0.0F, all);
     }
     if (!locator_ || &locator_->mesh() != read.mesh.get())
       locator_ = std::make_shared<const TetLocator>(read.mesh);
@@ -158,8 +162,9 @@ class MeshPoints final : public PointField {
 
 /// A scalar that is not there at the first time of a case, but later.
 template <class Wanted>
-std::optional<MeshFieldSummary> laterField(const MeshSource& mesh, const Wanted& wanted) {
-  for (const auto& names : mesh.fieldNames()) {
+std::optional<MeshFieldSummary> laterField(const MeshSource& mesh, const MeshFieldNames& later,
+                                           const Wanted& wanted) {
+  for (const auto& names : later) {
     const auto name = std::ranges::find_if(names, wanted);
     if (name == names.end())
       continue;
@@ -217,7 +222,8 @@ Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text) {
 Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
                                                    std::string_view quantity,
                                                    std::span<const MeshAirField> named,
-                                                   std::span<const MeshFieldSummary> fields) {
+                                                   std::span<const MeshFieldSummary> fields,
+                                                   const MeshFieldNames& later) {
   const UsualField* usual = usualField(quantity);
   const auto said = std::ranges::find(named, quantity, &MeshAirField::quantity);
   MeshAirField one{std::string(quantity), "", ""};
@@ -233,7 +239,7 @@ Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
       summary = field;
   }
   if (!summary)
-    summary = laterField(mesh, wanted);
+    summary = laterField(mesh, later, wanted);
   if (!summary) {
     if (said != named.end())
       return fail(ErrorCode::kNotFound, "the mesh has no scalar field '{}'", said->field);

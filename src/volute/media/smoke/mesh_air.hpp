@@ -20,6 +20,8 @@ struct MeshAirField {
   std::string unit;  ///< "K", "C", "mol/mol", "%", "ppm", "kg/kg", "kW/m2", "W/m2"; empty: not said
 };
 
+using MeshFieldNames = std::vector<std::vector<std::string>>;
+
 /// "temperature=T:K,oxygen=O2:%": a unit may be left out where the field's is clear. The error says
 /// what was expected.
 [[nodiscard]] Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text);
@@ -30,9 +32,10 @@ struct MeshAirField {
 /// gases are in mol/mol, those of OpenFOAM in kg/kg, which counts as in air of 28.96 g/mol.
 /// kNotFound where there is none.
 /// @param fields  the case's, at its first time
+/// @param later  the names of its fields at each time, as far as they are told without reading
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshConditions(
     const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
-    std::span<const MeshFieldSummary> fields);
+    std::span<const MeshFieldSummary> fields, const MeshFieldNames& later);
 
 /// A scalar field as it is stored, at the points of a case.
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh,

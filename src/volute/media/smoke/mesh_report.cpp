@@ -140,7 +140,7 @@ void addFields(Report& report, const std::vector<MeshFieldSummary>& fields,
 void addPartial(Report& report, const MeshSource& source, const char* partial) {
   OrderedJson list = OrderedJson::array();
   std::string text = source.absentText();
-  for (const std::string& said : source.doubts()) text += (text.empty() ? "" : "; ") + said;
+  for (const Remark& said : source.remarks()) text += (text.empty() ? "" : "; ") + said.sentence;
   std::vector<std::pair<std::string, std::size_t>> counts;
   const auto lists = source.fieldNames();
   for (const auto& names : lists) {

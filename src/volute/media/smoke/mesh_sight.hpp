@@ -42,6 +42,7 @@ class MeshSight final : public SightField {
   std::shared_ptr<SmokeMedium> smoke_;
   std::vector<MeshAirField> air_;
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
+  std::optional<MeshFieldNames> names_;                  // the same
   std::shared_ptr<const TetLocator> locator_;            // of the last mesh
   std::uint64_t meshes_ = 0;                             // how many there were
   double largest_ = 0;                                   // that was read [1/m]

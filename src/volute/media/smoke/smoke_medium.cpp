@@ -11,8 +11,10 @@
 #include <utility>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/base/gather_values.hpp"
 #include "volute/base/stopwatch.hpp"
+#include "volute/io/foam_files.hpp"
 #include "volute/lighting/share_fit.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/smoke/mesh_probe.hpp"
@@ -76,8 +78,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
     reading.progress.remark(
         Remark(RemarkCode::kLeftOut, fmt::format("{}: {}", description.file, absent))
             .in(description.file));
-  for (const std::string& said : files->source.doubts())
-    reading.progress.remark(Remark(RemarkCode::kDoubtful, said).in(description.file));
+  for (const Remark& said : files->source.remarks()) reading.progress.remark(said);
   const std::shared_ptr<SmokeMedium> opened(new SmokeMedium(description, std::move(files)));
   SmokeMedium& medium = *opened;
   medium.remarked_ = how.sightOnly;
@@ -97,15 +98,15 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   const MeshFrame& frame = stored->frame;
   medium.files_->field = frame.field, medium.files_->otherFields = frame.others;
   medium.remarkOn(*stored, most);
-  const auto doubt = [&](const std::string& what) {
+  const auto tell = [&](RemarkCode code, const std::string& what) {
     if (!what.empty())
       reading.progress.remark(
-          Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", description.file, what))
-              .in(description.file));
+          Remark(code, fmt::format("{}: {}", description.file, what)).in(description.file));
   };
   if (const std::string unit = compareUnitInName(frame.field, description.model); !unit.empty())
-    doubt(fmt::format("field '{}': {}", frame.field, unit));
-  doubt(doubtOfSize(medium.bounds_));
+    tell(RemarkCode::kDoubtful, fmt::format("field '{}': {}", frame.field, unit));
+  // Where people look for signs it is a building; a plume may be as large.
+  tell(how.sightOnly ? RemarkCode::kDoubtful : RemarkCode::kNote, doubtOfSize(medium.bounds_));
   if (frame.dimensions) {
     VOLUTE_ASSIGN(const std::string unit,
                   compareDimensions(*frame.dimensions, description.model,
@@ -193,7 +194,11 @@ nlohmann::ordered_json SmokeMedium::counts() const {
             {"light_milliseconds", counts_.lightMilliseconds}}}};
 }
 
-Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading&) {
+Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
+  if (extensionOf(description_.file) == ".foam") {
+    if (const std::string said = foamGravity(description_.file); !said.empty())
+      reading.progress.remark(Remark(RemarkCode::kDoubtful, said).in(description_.file));
+  }
   if (description_.givesC && description_.model.quantity != SmokeQuantity::kVisibility) {
     const FieldOrigin& origin = description_.origin;
     return failIn(origin.file, origin.path + "/C", ErrorCode::kInvalidArgument,
@@ -361,7 +366,7 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
                                                  description_.file, index, frame.clamped))
             .in(description_.file));
   }
-  if (frame.ghosts > 0 && index == 0) {
+  if (frame.ghosts > 0 && !std::exchange(files_->ghostsTold, true)) {
     progress_->remark(Remark(RemarkCode::kLeftOut,
                              fmt::format("{}: {} cells that it marks as ghosts (vtkGhostType) are "
                                          "left out, as if another file had them",

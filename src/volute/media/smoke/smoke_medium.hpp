@@ -222,6 +222,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
     std::vector<std::shared_ptr<const Stored>> steps{};
     std::shared_ptr<const TetMesh> wallsOf{};  ///< what `walls` are of
     std::shared_ptr<const MeshWalls> walls{};
+    bool ghostsTold = false;
   };
 
   /// Data computed from a frame.

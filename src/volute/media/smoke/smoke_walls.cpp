@@ -62,14 +62,14 @@ class CornerShares {
 class LampsOnWalls {
  public:
   LampsOnWalls(const SmokeState& smoke, const SceneLights& lights, const Blocks& blocks,
-               const MeshWalls& walls, std::shared_ptr<const WallView> view, WallLight& known)
+               const MeshWalls& walls, std::uint64_t view, WallLight& known)
       : smoke_(smoke),
         lights_(lights),
         blocks_(blocks),
         walls_(walls),
         request_{*smoke.locator, smoke.extinction, walls, lights.lamps},
         known_(known) {
-    request_.view = std::move(view);
+    request_.view = view;
     if (const WallInterval& between = smoke.interval; between.light) {
       request_.extinction = *between.from, request_.later = *between.to;
       request_.time = smoke.intervalTime;
@@ -233,7 +233,8 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
   }
   WallLight found;
   WallLight* const kept = smoke.interval.light ? smoke.interval.light.get() : known;
-  const LampsOnWalls lamps(smoke, lights, blocks, *walls, all, kept ? *kept : found);
+  const LampsOnWalls lamps(smoke, lights, blocks, *walls, all ? all->number : 0,
+                           kept ? *kept : found);
   const PixelsOfFaces seen(faceOf, walls->faces().size());
   const auto vertices = smoke.locator->mesh().vertices();
   parallelRanges(walls->faces().size(), kFewFaces, [&](std::size_t begin, std::size_t end) {

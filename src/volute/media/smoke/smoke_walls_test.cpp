@@ -200,6 +200,24 @@ TEST(WallLight, BetweenTwoStepsIsThatOfTheirMean) {
   EXPECT_LE(wrong, lit / 5000);
 }
 
+TEST(WallLight, DoesNotDependOnWhatWasAskedBefore) {
+  const auto walls = MeshWalls::make(hall().smoke.locator->mesh());
+  ASSERT_TRUE(walls);
+  const std::vector<Lamp>& lamps = hall().lights.lamps;
+  const WallLight::Request request{*hall().smoke.locator, hall().smoke.extinction, **walls, lamps};
+  const auto few = pointsOfFace(5), many = pointsOfFace(40);
+  WallLight fresh, used;
+  std::vector<double> first(many.size()), second(many.size()), some(few.size());
+  for (std::size_t f = 0; f < (*walls)->faces().size(); f += 31) {
+    used.shares(request, 0, f, few, some);
+    used.shares(request, 0, f, many, second);
+    fresh.shares(request, 0, f, many, first);
+    EXPECT_EQ(first, second);
+    fresh.shares(request, 0, f, few, first);
+    EXPECT_TRUE(std::equal(some.begin(), some.end(), first.begin()));
+  }
+}
+
 TEST(LookAtWalls, OfAnIntervalWalksOnceForAllItsPictures) {
   const Camera camera =
       Camera::pinhole({Vec3(2.3, 6.8, 2.7), Vec3(20, 5, 1), Vec3::UnitZ()}, 70, 160, 120);

@@ -187,14 +187,17 @@ struct Patch {
   std::array<float, 6> depths[2] = {};
 };
 
-/// One lamp's light on one face.
+/// One lamp's light on one face, cut for so many points.
 struct FacePatches {
+  double points = 0;           ///< a power of four
   std::vector<Patch> patches;  ///< the first is all of it
-  double points = 0;           ///< that they were made for
   /// The walks of a view's points, in their order.
-  std::shared_ptr<const WallView> view;
-  std::vector<std::array<float, 2>> walked;
+  std::uint64_t view = 0;
+  std::vector<std::array<float, 2>> walked{};
 };
+
+/// By how many points they are for.
+using FaceSets = std::vector<FacePatches>;
 
 using Shares3 = Vec3;  ///< a point of a triangle, by its corners
 
@@ -219,21 +222,22 @@ struct WallLight::State {
   struct OfLamp {
     Silhouettes silhouettes;
     bool inside;  ///< it is in the mesh
-    std::vector<FacePatches> faces;
+    std::vector<FaceSets> faces;
   };
 
   std::once_flag begun;
   std::vector<OfLamp> lamps;
   std::array<std::mutex, 64> guards;  ///< of faces, by their number
   std::atomic<std::uint64_t> walks = 0;
-  std::atomic<std::size_t> kept = 0;  ///< walks of views' points, of all faces
+  std::atomic<std::uint64_t> view = 0;  ///< whose walks are kept
+  std::atomic<std::size_t> kept = 0;    ///< walks of its points, of all faces
 
   void begin(const Request& request) {
     for (const Lamp& lamp : request.lamps) {
       const bool inside =
           lamp.kind == Lamp::Kind::kSpot && request.locator.find(lamp.position) >= 0;
       lamps.push_back({Silhouettes(request.locator.mesh(), request.walls, lamp), inside,
-                       std::vector<FacePatches>(request.walls.faces().size())});
+                       std::vector<FaceSets>(request.walls.faces().size())});
     }
   }
 };
@@ -460,6 +464,9 @@ std::shared_ptr<const WallView> MeshWalls::seenFrom(const Camera& camera) const 
     view->depth[pixel] = static_cast<float>(hit.distance);
     view->face[pixel] = hit.triangle;
   });
+  static std::atomic<std::uint64_t> views = 0;
+  if (again)
+    view->number = ++views;
   const std::lock_guard lock(guard_);
   lastCamera_ = camera;
   lastView_ = again ? view : nullptr;
@@ -480,19 +487,22 @@ void WallLight::shares(const Request& request, std::size_t lamp, std::size_t fac
   State::OfLamp& light = state_->lamps[lamp];
   const FaceWalker walker(request, lamp, light.inside, request.walls.faces()[face]);
   const std::lock_guard lock(state_->guards[face % state_->guards.size()]);
-  FacePatches& known = light.faces[face];
-  const auto count = static_cast<double>(points.size());
-  const bool made = known.patches.empty() || count > 4 * known.points;
-  if (made) {
-    known.points = count;
-    walker.make(light.silhouettes, known);
+  FaceSets& sets = light.faces[face];
+  const double count = std::pow(4.0, std::ceil(std::log2(static_cast<double>(points.size())) / 2));
+  auto set = std::ranges::find(sets, count, &FacePatches::points);
+  if (set == sets.end()) {
+    sets.push_back({count, {}});
+    set = std::prev(sets.end());
+    walker.make(light.silhouettes, *set);
   }
-  if (made || (request.view && known.view != request.view)) {
-    state_->kept -= known.walked.size();
-    known.walked.clear();
+  FacePatches& known = *set;
+  if (request.view != 0 && known.view != request.view) {
     known.view = request.view;
+    std::vector<std::array<float, 2>>().swap(known.walked);
+    if (state_->view.exchange(request.view) != request.view)
+      state_->kept = 0;
   }
-  const bool keeps = request.view && known.view == request.view;
+  const bool keeps = request.view != 0;
   std::size_t walked = 0;
   const auto walk = [&](const Vec3& point) {
     const std::size_t place = walked++;

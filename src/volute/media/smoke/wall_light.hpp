@@ -30,6 +30,7 @@ struct WallFace {
 struct WallView {
   std::vector<float> depth;         ///< [m]; infinity: no wall
   std::vector<std::uint32_t> face;  ///< its place in MeshWalls::faces(); kNone: no wall
+  std::uint64_t number = 0;         ///< that no other view has; 0: it is not kept
 
   static constexpr std::uint32_t kNone = Hit::kNone;
 };
@@ -76,8 +77,8 @@ class MeshWalls {
 /// smoke towards a lamp is smooth on a face, a parabola stands for it, whose error was found at
 /// three points; what may cast a shadow on a part of a face is known from the edges at which the
 /// boundary turns away from the lamp, and there each point has a walk of its own. Found once, and
-/// kept for later pictures; the walks of points up to 64 MiB, as long as the view stays. Threads
-/// may share it.
+/// kept for later pictures; the walks of points up to 64 MiB, as long as the view stays. What is
+/// found does not depend on what was asked before. Threads may share it.
 class WallLight {
  public:
   WallLight();
@@ -91,8 +92,9 @@ class WallLight {
     std::span<const Lamp> lamps;
     std::span<const float> later{};  ///< where it ends; empty: this is one time
     double time = 0;                 ///< 0..1, of the interval
-    /// Whose points they are, all of a face in the order of its pixels; null: some.
-    std::shared_ptr<const WallView> view{};
+    /// WallView::number of whose points they are, all of a face in the order of its pixels; 0: of
+    /// none that comes again.
+    std::uint64_t view = 0;
   };
 
   /// @param request  but for its time and view always the same
