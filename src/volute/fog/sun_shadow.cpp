@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
-#include "volute/fog/fog_march.hpp"
+#include "volute/fog/sun_sums.hpp"
 #include "volute/math/quadrature.hpp"
 
 #undef HWY_TARGET_INCLUDE
@@ -181,8 +180,7 @@ double SunShadow::Map::at(double x, double y) const {
          v * ((1 - u) * corner[columns] + u * corner[columns + 1]);
 }
 
-SunShadow::Map SunShadow::sampled(const FogProfile& profile, double factor) const {
-  const FogMedium fog = fog_.withProfile(profile);
+SunShadow::Map SunShadow::sampled(const SunSums& sums) const {
   const CellRect cells = fog_.levels().mapCells();
   const int perCell = static_cast<int>(std::lround(fog_.cell() / step_));
   Map map;
@@ -190,17 +188,13 @@ SunShadow::Map SunShadow::sampled(const FogProfile& profile, double factor) cons
   map.rows = (cells.y1 - cells.y0) * perCell + 1;
   map.values.resize(static_cast<std::size_t>(map.columns) * map.rows);
   parallelRanges(map.rows, 1, [&](std::size_t begin, std::size_t end) {
-    std::vector<Segment> segments(map.columns);
+    std::vector<Vec2> places(map.columns);
     std::vector<double> depths(map.columns);
     for (std::size_t j = begin; j < end; ++j) {
-      for (int i = 0; i < map.columns; ++i) {
-        const Vec3 from(x0_ + i * step_, y0_ + static_cast<double>(j) * step_,
-                        fog_.domainCorner().z());
-        segments[i] = {from, sun_, 0, std::numeric_limits<double>::infinity()};
-      }
-      marchDepths(fog, segments, depths, std::numeric_limits<float>::max());
+      for (int i = 0; i < map.columns; ++i) places[i] = Vec2(i, static_cast<double>(j)) / perCell;
+      sums.at(places, depths);
       for (int i = 0; i < map.columns; ++i)
-        map.values[j * map.columns + i] = static_cast<float>(factor * depths[i]);
+        map.values[j * map.columns + i] = static_cast<float>(depths[i]);
     }
   });
   return map;
@@ -243,20 +237,18 @@ Result<SunShadow> SunShadow::make(const FogMedium& fog, const Vec3& towardsSun, 
   const CellRect cells = fog.levels().mapCells();
   shadow.x0_ = fog.domainCorner().x() + cells.x0 * fog.cell();
   shadow.y0_ = fog.domainCorner().y() + cells.y0 * fog.cell();
-  shadow.i0_ = std::make_shared<const Map>(shadow.sampled({}, 1));
+  const SunSums plain(finest, sun, samples, SunSums::Weight::kOne);
+  shadow.i0_ = std::make_shared<const Map>(shadow.sampled(plain));
   shadow.rho_ = std::make_shared<const Map>(shadow.sampledDensity());
   for (const auto& zone : fog.profile().zones()) {
     if (zone.slope != 0 && !shadow.i1_) {
-      // g = z / highest, and z = s_z t.
-      const double highest = FogProfile::kFarthest;
-      const FogProfile::Knot knots[] = {{0, 0}, {highest, 1}};
-      shadow.i1_ = std::make_shared<const Map>(
-          shadow.sampled(*FogProfile::linear(knots), highest / sun.z()));
+      const SunSums moments(finest, sun, samples, SunSums::Weight::kWay, 0, &plain);
+      shadow.i1_ = std::make_shared<const Map>(shadow.sampled(moments));
     }
     if (zone.decay != 0 && !shadow.s_) {
       shadow.decay_ = zone.decay;
-      shadow.s_ = std::make_shared<const Map>(
-          shadow.sampled(*FogProfile::exponential(0, 1 / zone.decay), 1));
+      const SunSums decaying(finest, sun, samples, SunSums::Weight::kDecay, zone.decay);
+      shadow.s_ = std::make_shared<const Map>(shadow.sampled(decaying));
     }
   }
   return shadow;

@@ -10,6 +10,8 @@
 
 namespace volute {
 
+class SunSums;
+
 /// How much fog lies between any point and the sun, from two-dimensional maps that hold at every
 /// height. With s the unit direction to the sun, s_z > 0, and p a place seen from above:
 ///   I_k(p) = integral over t > 0 of rho(p + s t) t^k,  S(p) = the same of rho exp(-s_z t / H);
@@ -18,7 +20,8 @@ namespace volute {
 /// differences of I_k would cancel: there rho itself is integrated by Gauss points.
 ///
 /// The maps are sampled at the corners of cells (or more finely) and interpolated, so that they
-/// blur by O(cell^2); at the samples they are those of the walk. Always of the finest level.
+/// blur by O(cell^2); at the samples they are those of the walk, on large maps those of SunSums.
+/// Always of the finest level.
 class SunShadow {
  public:
   /// @param towardsSun  its length does not matter
@@ -64,7 +67,7 @@ class SunShadow {
 
   explicit SunShadow(FogMedium fog) : fog_(std::move(fog)) {}
 
-  Map sampled(const FogProfile& profile, double factor) const;
+  Map sampled(const SunSums& sums) const;
   Map sampledDensity() const;
   /// Of a place from above [samples]: moves it to where the way to the sun enters the maps, and
   /// returns how long that way is, seen from above as sun_ is [m]; -1 where it never does.
