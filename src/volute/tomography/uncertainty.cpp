@@ -347,6 +347,7 @@ double correlationOf(const Image& off, const Image& seen, double noise) {
 struct Excess {
   Bands bands{};
   double correlation = 0;  // of what differs in two channels, the mean
+  double spread = 1;  // of samples in the picture, squared: coarse and fine, as multiples of noise
 };
 
 /// How much a view differs, squared, in each band, from what volumes without it predict, relative
@@ -409,6 +410,8 @@ Result<std::optional<Excess>> excessOf(std::size_t view, std::span<const Tomogra
     for (std::size_t b = 0; b < 3; ++b) expected[b] += squares[b] / kHere;
   }
   Excess excess{{}, correlationOf(off, seen, noise)};
+  if (expected[0] > 0 && expected[2] > 0)
+    excess.spread = expected[2] / share[2] / (expected[0] / share[0]);
   for (std::size_t b = 0; b < 3; ++b) {
     const double ofNoise = share[b] * noise * pixels, known = kNoiseKnown * ofNoise;
     if (!(expected[b] + known > 0))
@@ -433,6 +436,10 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   // pictures do not show where they are as noisy. Fitted to 116 captures with a known truth, of
   // three kinds.
   constexpr double kOfSamples = 0.85, kOfNoise = 0.35;
+  // Of smooth media, whose samples differ in the small as much as in the large, volumes come out
+  // better than left-out pictures tell, of filaments worse. Fitted to 69 captures of nine kinds;
+  // each kind by the others, the root mean square of the logarithm falls from .45 to .29.
+  constexpr double kAlike = 0.361, kSpread = 0.211, kLeast = 0.4, kMax = 1.5;
   constexpr std::size_t kFewest = 3;  // two predict a third badly, but how badly is what counts
   VOLUTE_TRY(checkReconstruction(given, geometry, options));
   std::vector<TomographyView> reduced;
@@ -448,6 +455,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   progress.report("error bars", 0, 0);
   VoxelUncertainty result;
   Bands squares{};
+  double spread = 0;
   for (const std::size_t view : viewsToHoldOut(views, geometry.bounds.centre(), kFewest)) {
     VOLUTE_ASSIGN(const auto excess, excessOf(view, views, geometry, how, solved, quiet));
     if (!excess)
@@ -455,6 +463,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
     result.heldOut.push_back(views[view].name);
     for (std::size_t b = 0; b < 3; ++b) squares[b] += excess->bands[b];
     result.channelCorrelation += excess->correlation;
+    spread += std::log(excess->spread);
   }
   const auto folds = static_cast<double>(result.heldOut.size());
   if (folds > 0)
@@ -480,6 +489,11 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
       add(posterior.sample(random, Posterior::Open::kNothing), kOfNoise);
   }
   posterior.smooth(mean);
+  if (folds > 0) {
+    const double factor = std::clamp(kAlike * std::exp(kSpread * spread / folds), kLeast, kMax);
+    const auto squared = static_cast<float>(factor * factor);
+    forElements(mean.size(), [&](std::size_t i) { mean[i] *= squared; });
+  }
   const double open = sumElements(mean.size(), [&](std::size_t i) { return mean[i]; });
   const double energy = dot(estimate, estimate);
   forElements(mean.size(), [&](std::size_t i) { mean[i] = std::sqrt(mean[i]); });

@@ -34,7 +34,8 @@ struct VoxelUncertainty {
 /// is then measured: a view, of five or fewer two, is predicted by a volume without it, and in
 /// three bands of size the samples are scaled by how much its picture differs more than samples of
 /// that volume do. Values below 0 are clamped. The variance is .85 of that and .35 of what the
-/// noise alone does; of two views it is that of the samples.
+/// noise alone does, times a factor between .16 and 2.25 by how much of the samples' pictures is in
+/// the large; of two views it is that of the samples.
 /// @param solved  by reconstruct() with the same views, geometry and options.
 /// Errors: those of reconstruct().
 [[nodiscard]] Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> views,
