@@ -18,6 +18,7 @@
 #include "volute/camera/camera.hpp"
 #include "volute/fog/fog_march.hpp"
 #include "volute/fog/polar_table.hpp"
+#include "volute/fog/sun_sums.hpp"
 #include "volute/synth/valley.hpp"
 
 namespace volute::bench {
@@ -266,6 +267,43 @@ Status benchChange(Run& run) {
   return {};
 }
 
+/// What is between every corner of cells and the sun: by lines across the map against whole ways,
+/// of which one row in 64 is walked.
+Status benchSunSums(Run& run) {
+  constexpr int kEach = 64;
+  for (const int side : {512, 2048}) {
+    VOLUTE_ASSIGN(const auto map, FogMap::fromCoefficients(fogMap(side), {}));
+    VOLUTE_ASSIGN(const FogMedium fog, FogMedium::make(map, {}));
+    const Vec3 sun = Vec3(1, 0.37, 0.3).normalized();
+    const CellRect cells = fog.levels().mapCells();
+    const auto columns = static_cast<std::size_t>(cells.x1 - cells.x0);
+    std::vector<double> depths(columns);
+    const double sums = secondsOf([&] {
+      const SunSums all(fog, sun, 1, SunSums::Weight::kOne);
+      std::vector<Vec2> places(columns);
+      for (int j = cells.y0; j < cells.y1; ++j) {
+        for (std::size_t i = 0; i < columns; ++i) places[i] = Vec2(static_cast<double>(i), j);
+        all.at(places, depths);
+      }
+    });
+    const double ways = secondsOf([&] {
+      std::vector<Segment> segments(columns);
+      for (int j = cells.y0; j < cells.y1; j += kEach) {
+        for (std::size_t i = 0; i < columns; ++i) {
+          const Vec3 place(static_cast<double>(i), j, 0);
+          segments[i] = {fog.domainCorner() + fog.cell() * place, sun, 0,
+                         std::numeric_limits<double>::infinity()};
+        }
+        marchDepths(fog, segments, depths, std::numeric_limits<float>::max());
+      }
+    });
+    const std::string name = fmt::format("{} x {}: the sun's depths at all corners: ", side, side);
+    run.add(name + "whole ways", 1e3 * kEach * ways, "ms", 1.0);
+    run.add(name + "by lines, times as fast", 1e3 * sums, "ms", kEach * ways / sums);
+  }
+  return {};
+}
+
 /// The parts of the rays of `volute synthesize valley` that hills and trees keep the sun from, one
 /// ray per pixel: its tree of what the sun sees, grown anew, against the reference, whose tree is
 /// there. Both search the rays down to the ground.
@@ -459,7 +497,7 @@ void benchPaths(Run& run) {
 Status benchFog(const BenchInput&, BenchRows& rows, Progress& progress) {
   const ThreadLimit one(1);
   Run run{rows};
-  constexpr int kParts = 10;
+  constexpr int kParts = 11;
   int done = 0;
   const auto finished = [&]() -> Status {
     progress.report("fog", ++done, kParts);
@@ -467,8 +505,8 @@ Status benchFog(const BenchInput&, BenchRows& rows, Progress& progress) {
       return fail(ErrorCode::kCancelled, "stopped in the benchmark of fog");
     return {};
   };
-  for (Status (*part)(Run&) :
-       {benchSizes, benchDetail, benchProfiles, benchEmpty, benchChange, benchSunShadows}) {
+  for (Status (*part)(Run&) : {benchSizes, benchDetail, benchProfiles, benchEmpty, benchChange,
+                               benchSunSums, benchSunShadows}) {
     VOLUTE_TRY(part(run));
     VOLUTE_TRY(finished());
   }
