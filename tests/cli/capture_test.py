@@ -7,7 +7,7 @@ import pathlib
 
 import ring
 import support
-from pictures import Picture, read_exr, write_exr, write_png
+from pictures import Part, Picture, read_exr, write_exr, write_parts, write_png
 
 
 def transposed(rows):
@@ -58,6 +58,13 @@ class Formats(ring.TestCase):
         done = support.volute("info", self.path("capture.json"))
         self.assertEqual(done.code, 1)
         self.assertRegex(done.text, rf"c2: .*: 1 of {ring.FRAMES} pictures are MISSING")
+
+    def test_pictures_of_several_parts_are_refused(self):
+        picture = read_exr(self.path("c2_0010.exr"))
+        planes = {"Y": picture.values[::picture.channels]}
+        write_parts(self.path("c2_0010.exr"), [Part(picture.width, picture.height, planes, name) for name in ("left", "right")])
+        self.assertIn("c2_0010.exr: has 2 parts", self.fails(1, "reconstruct", self.path("capture.json"), "-o", self.path("o.npy"),
+                                                             "--frames", "10"))
 
     def test_nerf_transforms(self):
         frames = []

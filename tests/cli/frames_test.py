@@ -214,6 +214,14 @@ class Frames(support.TestCase):
         self.assertIn("has the layers left, right", self.fails(1, *self.words(color="depth.exr")))
         self.assertIn("no layer 'x'", self.fails(1, *self.words("--color-layer", "x", color="depth.exr")))
 
+    def test_a_picture_of_several_parts_is_refused_where_nobody_chooses_one(self):
+        self.plain()
+        parts = [Part(WIDTH, HEIGHT, self.color, name) for name in ("left", "right")]
+        write_parts(self.path("parts.exr"), parts)
+        text = "parts.exr: has 2 parts with the channels left.B, left.G, left.R, right.B, right.G, right.R; expected one part"
+        self.assertIn(text, self.fails(1, "info", self.path("parts.exr")))
+        self.assertIn(text, self.fails(1, "compare", self.path("color.exr"), self.path("parts.exr")))
+
     def test_depth_outside_its_data_window_is_sky(self):
         self.depths = [INFINITY if y < 2 or x > 12 else self.depths[y * WIDTH + x] for y in range(HEIGHT) for x in range(WIDTH)]
         self.plain()

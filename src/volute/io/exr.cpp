@@ -4,7 +4,6 @@
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
@@ -119,7 +118,7 @@ Image toDisplay(const Image& data, const Imath::Box2i& dataWindow, const Imath::
   return image;
 }
 
-Result<Image> readChannels(const InputFile& file, Imf::InputFile& exr,
+Result<Image> readChannels(const InputFile& file, Imf::InputPart& exr,
                            const std::vector<std::string>& channels,
                            const ImageReadOptions& options) {
   const auto& header = exr.header();
@@ -157,7 +156,7 @@ Result<std::optional<Mat3>> srgbFrom(const Imf::Header& header) {
   return srgbFromPrimaries(places);
 }
 
-Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
+Result<Image> readPixels(const InputFile& file, Imf::InputPart& exr,
                          const ImageReadOptions& options) {
   VOLUTE_ASSIGN(const auto channels, chooseChannels(exr.header().channels(), file.path().string()));
   VOLUTE_ASSIGN(auto image, readChannels(file, exr, channels, options));
@@ -172,7 +171,7 @@ Result<Image> readPixels(const InputFile& file, Imf::InputFile& exr,
   return image;
 }
 
-Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputFile& exr,
+Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputPart& exr,
                                               const ImageReadOptions& options) {
   const Imf::Channel* alpha = exr.header().channels().findChannel("A");
   if (!alpha || alpha->type == Imf::UINT || alpha->xSampling != 1 || alpha->ySampling != 1)
@@ -182,15 +181,16 @@ Result<std::optional<Image>> readAlphaChannel(const InputFile& file, Imf::InputF
 }
 
 /// Opens a picture and lets `read` read of it; OpenEXR's exceptions become errors.
-template <class Exr = Imf::InputFile, class Read>
+template <class Read>
 auto readWith(const std::filesystem::path& path, const ImageReadOptions& options, Read&& read)
-    -> decltype(read(std::declval<const InputFile&>(), std::declval<Exr&>(), options)) {
+    -> decltype(read(std::declval<const InputFile&>(), std::declval<Imf::MultiPartInputFile&>(),
+                     options)) {
   VOLUTE_ASSIGN(const auto file, InputFile::open(path));
   constexpr int kLongestSide = 1 << 20;
   Imf::Header::setMaxImageSize(kLongestSide, kLongestSide);
   try {
     ExrInput stream(file);
-    Exr exr(stream);
+    Imf::MultiPartInputFile exr(stream);
     return read(file, exr, options);
   } catch (const std::exception& error) {
     return fail(ErrorCode::kInvalidData, "{}: not a whole OpenEXR picture: {}", path.string(),
@@ -239,6 +239,18 @@ Result<FrameInfo> infoOf(const InputFile& file, Imf::MultiPartInputFile& exr,
     }
   }
   return info;
+}
+
+/// The part of a file with one picture. Of several parts nobody says which one is meant.
+Result<Imf::InputPart> onlyPart(const InputFile& file, Imf::MultiPartInputFile& exr) {
+  if (exr.parts() == 1)
+    return Imf::InputPart(exr, 0);
+  VOLUTE_ASSIGN(const auto info, infoOf(file, exr, {}));
+  std::string names;
+  for (const FrameChannel& channel : info.channels)
+    names += (names.empty() ? "" : ", ") + channel.name;
+  return fail(ErrorCode::kUnsupported, "{}: has {} parts with the channels {}; expected one part",
+              file.path().string(), exr.parts(), names);
 }
 
 Result<Image> readPart(const InputFile& file, Imf::MultiPartInputFile& exr,
@@ -329,16 +341,23 @@ Status encode(const std::filesystem::path& path, Imf::Header header, Add&& add) 
 }  // namespace
 
 Result<Image> readExr(const std::filesystem::path& path, const ImageReadOptions& options) {
-  return readWith(path, options, readPixels);
+  return readWith(path, options, [](const auto& file, auto& exr, const auto& how) -> Result<Image> {
+    VOLUTE_ASSIGN(auto part, onlyPart(file, exr));
+    return readPixels(file, part, how);
+  });
 }
 
 Result<std::optional<Image>> readExrAlpha(const std::filesystem::path& path,
                                           const ImageReadOptions& options) {
-  return readWith(path, options, readAlphaChannel);
+  return readWith(path, options,
+                  [](const auto& file, auto& exr, const auto& how) -> Result<std::optional<Image>> {
+                    VOLUTE_ASSIGN(auto part, onlyPart(file, exr));
+                    return readAlphaChannel(file, part, how);
+                  });
 }
 
 Result<FrameInfo> readFrameInfo(const std::filesystem::path& path) {
-  return readWith<Imf::MultiPartInputFile>(path, {}, infoOf);
+  return readWith(path, {}, infoOf);
 }
 
 Result<std::optional<Mat3>> srgbFromPrimaries(const FramePart& part) {
@@ -347,7 +366,7 @@ Result<std::optional<Mat3>> srgbFromPrimaries(const FramePart& part) {
 
 Result<Image> readFrameChannels(const std::filesystem::path& path,
                                 std::span<const FrameChannel> channels, std::uint64_t maxMemory) {
-  return readWith<Imf::MultiPartInputFile>(
+  return readWith(
       path, {}, [&](const InputFile& file, Imf::MultiPartInputFile& exr, const ImageReadOptions&) {
         return readPart(file, exr, channels, maxMemory);
       });

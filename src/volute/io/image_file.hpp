@@ -28,8 +28,8 @@ struct ImageReadOptions {
 
 /// Reads a .png (8 or 16 bits, grey, RGB or palette; alpha is dropped; its values become linear
 /// light of sRGB's primaries, by what it states: cICP, iCCP, sRGB, or gAMA and cHRM; else by sRGB)
-/// or a .exr (R, G, B, or Y, or a single channel of any name; half or float). Damaged or truncated
-/// files are errors.
+/// or a .exr of one part (R, G, B, or Y, or a single channel of any name; half or float). Damaged
+/// or truncated files are errors, and a .exr of several parts is kUnsupported.
 [[nodiscard]] Result<Image> readImage(const std::filesystem::path& path,
                                       const ImageReadOptions& options = {});
 

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "volute/io/frame_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/volume_files/volume_input.hpp"
@@ -40,18 +39,6 @@ tl::unexpected<Error> aboutEntry(const FogDescription& fog, const Error& error) 
   return tl::unexpected(fog.about({codeOfData(error.code), error.message}));
 }
 
-/// Of a .exr in several parts nobody says which one is the map.
-Status checkOnePart(const std::string& path) {
-  VOLUTE_ASSIGN(const auto info, readFrameInfo(path));
-  if (info.parts.size() < 2)
-    return {};
-  std::string names;
-  for (const FrameChannel& channel : info.channels)
-    names += (names.empty() ? "" : ", ") + channel.name;
-  return fail(ErrorCode::kInvalidData, "{}: has {} parts with the channels {}; expected one part",
-              path, info.parts.size(), names);
-}
-
 /// What is transparent in a painted map was not painted. In a .exr colours are multiplied by alpha.
 Status multiplyByAlpha(const std::string& path, Image& image, const Reading& reading) {
   VOLUTE_ASSIGN(const auto alpha, readAlpha(path, {.raw = true, .maxMemory = reading.maxMemory}));
@@ -70,9 +57,7 @@ Status multiplyByAlpha(const std::string& path, Image& image, const Reading& rea
 Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
                        const Reading& reading) {
   VOLUTE_ASSIGN(auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
-  if (extensionOf(path) == ".exr")
-    VOLUTE_TRY(checkOnePart(path));
-  else
+  if (extensionOf(path) != ".exr")
     VOLUTE_TRY(multiplyByAlpha(path, image, reading));
   auto map = FogMap::fromImage(image, placement, colour);
   if (!map)
