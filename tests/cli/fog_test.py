@@ -426,6 +426,15 @@ class Frames(FogCase):
         self.works(*words)
         self.assertEqual(self.difference("color.png", "x.png"), 0)
 
+    def test_frames_of_16_bits_stay_so(self):
+        for channels in (3, 4):
+            rows = [[65535 if channels == 4 and i % 4 == 3 else 257 * i + 40 * y + 1 for i in range(8 * channels)] for y in range(6)]
+            write_rows(self.path("color.png"), rows, 16, channels)
+            words = [self.path("color.png") if str(word).endswith("color.exr") else word for word in self.words(out="x.png", sigma=0)]
+            self.works(*words)
+            self.assertEqual(self.path("x.png").read_bytes()[24], 16, channels)
+            self.assertLess(self.difference("color.png", "x.png"), 2e-7)
+
     def test_both_renderers_and_a_scene_agree(self):
         self.waves("map.png", 40)
         more = ("--degree", "3", "--levels", "2", "--mu", "0.5", "--profile", "exponential:0,8")

@@ -109,11 +109,17 @@ class ImageFileWriter final : public PictureWriter {
       return volute::writeFrame(path, rounded);
     }
     Image color = displayed(frame.color, frame.part);
-    if (!frame.alpha)
-      return writeImage(path, developed(std::move(color), development_));
-    const Image alpha = displayed(*frame.alpha, frame.part);
-    return writePngWithAlpha(path, developed(straight(std::move(color), alpha), development_),
-                             alpha);
+    std::optional<Image> alpha;
+    if (frame.alpha) {
+      alpha = displayed(*frame.alpha, frame.part);
+      color = straight(std::move(color), *alpha);
+    }
+    Development development = development_;
+    development.style.dither = development.style.dither && frame.bits == 8;
+    color = developed(std::move(color), development);
+    if (frame.bits == 16)
+      return writePng16(path, color, alpha);
+    return alpha ? writePngWithAlpha(path, color, *alpha) : writeImage(path, color);
   }
 
   Status finish() override { return {}; }

@@ -60,8 +60,8 @@ class PictureWriter {
                                            const std::vector<ImageChannel>& channels,
                                            int frameNumber, const PictureText& text) = 0;
   /// A frame of another renderer. A .exr keeps its windows, alpha, pixel aspect and attributes; the
-  /// others show the display window, black where it has no pixels: a .png with straight alpha, a
-  /// film over black.
+  /// others show the display window, black where it has no pixels: a .png of the frame's bits with
+  /// straight alpha, a film over black.
   [[nodiscard]] virtual Status writeFrame(const FramePixels& frame, int frameNumber) = 0;
   /// After the last picture.
   [[nodiscard]] virtual Status finish() = 0;

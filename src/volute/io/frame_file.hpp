@@ -73,6 +73,7 @@ struct FramePixels {
   std::optional<Image> alpha{};
   FramePart part{};
   bool half = false;  ///< written as half floats, else float32
+  int bits = 8;       ///< of a channel where it is written as a .png: 8 or 16
 };
 
 /// writeChannels() of colours, alpha and brightness (R, G, B, A, Y) as half floats, from which
@@ -96,6 +97,15 @@ struct StoredPng {
 
 [[nodiscard]] Result<StoredPng> readStoredPng(const std::filesystem::path& path,
                                               std::uint64_t maxMemory);
+
+/// Bits of a channel of a .png: 16, or 8 where it has as many or fewer.
+[[nodiscard]] Result<int> readPngBits(const std::filesystem::path& path);
+
+/// Writes a .png of 16 bits in sRGB.
+/// @param color  linear RGB, or one channel; clamped to 0..1
+/// @param alpha  0..1, one channel, which does not multiply the colour (straight); nothing: none
+[[nodiscard]] Status writePng16(const std::filesystem::path& path, const Image& color,
+                                const std::optional<Image>& alpha);
 
 /// Writes a .png of 8 bits with alpha, which does not multiply the colour (straight).
 /// @param color  linear RGB

@@ -16,6 +16,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/base/parallel.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
@@ -33,6 +34,7 @@ struct PngState {
   std::string message;
   png_uint_32 width = 0, height = 0;
   int channels = 0, bits = 0;
+  bool linear = false;  // what is written is, not sRGB
   bool headerOnly = false;
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
@@ -289,7 +291,6 @@ bool isFlat(const PngState& state) {
   return 4 * repeated > told;
 }
 
-/// 16 bits are taken for linear values.
 bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, PngState& state) {
   if (setjmp(png_jmpbuf(png)))
     return false;
@@ -299,7 +300,7 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
                : state.channels == 3 ? PNG_COLOR_TYPE_RGB
                                      : PNG_COLOR_TYPE_GRAY,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  if (state.bits == 8)
+  if (!state.linear)
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   else
     png_set_gAMA(png, info, 1.0);
@@ -393,6 +394,13 @@ Result<std::string> readPngColorName(const std::filesystem::path& path) {
   return state.gamma > 0 ? fmt::format("gAMA {:.4g}", state.gamma) : "";
 }
 
+Result<int> readPngBits(const std::filesystem::path& path) {
+  PngState state;
+  state.headerOnly = true;
+  VOLUTE_TRY(readPngFile(path, {}, state));
+  return state.bits;
+}
+
 Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {
   PngState state;
   VOLUTE_TRY(readPngFile(path, {.maxMemory = maxMemory}, state));
@@ -449,6 +457,13 @@ PngState stateOf(const Image& image, int bits) {
   return state;
 }
 
+/// Value i of 16 bits; NaN gives 0.
+void put16(PngState& state, std::size_t i, double value) {
+  const double within = value > 0 ? std::min(value, 1.0) : 0;
+  const auto stored = static_cast<std::uint16_t>(std::lround(65535 * within));
+  std::memcpy(&state.pixels[2 * i], &stored, sizeof stored);
+}
+
 }  // namespace
 
 Status writePng(const std::filesystem::path& path, const Image& image, const ImageNotes& notes) {
@@ -472,15 +487,29 @@ Status writePngWithAlpha(const std::filesystem::path& path, const Image& color, 
   return writePngState(path, state, notes);
 }
 
+Status writePng16(const std::filesystem::path& path, const Image& color,
+                  const std::optional<Image>& alpha) {
+  PngState state = stateOf(color, 16);
+  const auto colors = static_cast<std::size_t>(color.channels), each = colors + (alpha ? 1 : 0);
+  state.channels = static_cast<int>(each);
+  state.pixels.resize(2 * each * state.width * state.height);
+  parallelRanges(state.height, 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin * state.width; i < end * state.width; ++i) {
+      for (std::size_t c = 0; c < colors; ++c)
+        put16(state, each * i + c, srgbEncode(color.pixels[colors * i + c]));
+      if (alpha)
+        put16(state, each * i + colors, alpha->pixels[i]);
+    }
+  });
+  layOutRows(state, 2 * each * state.width);
+  return writePngState(path, state, {});
+}
+
 Status writePngMap(const std::filesystem::path& path, const Image& map) {
-  constexpr double kLargest = 65535;
   PngState state = stateOf(map, 16);
+  state.linear = true;
   state.pixels.resize(2 * map.pixels.size());
-  for (std::size_t i = 0; i < map.pixels.size(); ++i) {
-    const auto value =
-        static_cast<std::uint16_t>(std::lround(kLargest * std::clamp<double>(map.pixels[i], 0, 1)));
-    std::memcpy(&state.pixels[2 * i], &value, sizeof value);
-  }
+  for (std::size_t i = 0; i < map.pixels.size(); ++i) put16(state, i, map.pixels[i]);
   layOutRows(state, 2 * std::size_t{state.width} * map.channels);
   return writePngState(path, state, {});
 }

@@ -53,6 +53,7 @@ Result<Color> readPngColor(const std::string& path, std::uint64_t maxMemory) {
       color.pixels.color.pixels[i] *= color.pixels.alpha->pixels[i / 3];
   }
   color.pixels.part.data = color.pixels.part.display = {0, 0, image.width, image.height};
+  VOLUTE_ASSIGN(color.pixels.bits, readPngBits(path));
   return color;
 }
 
@@ -346,6 +347,7 @@ FramePixels cropped(const FramePixels& pixels, const PixelWindow& window) {
   if (data == window)
     return pixels;
   FramePixels part{Image(window.width(), window.height()), std::nullopt, pixels.part};
+  part.bits = pixels.bits;
   part.part.data = window;
   if (pixels.alpha)
     part.alpha = Image(window.width(), window.height(), 1);
