@@ -147,6 +147,11 @@ class Scenes(FogCase):
         self.render("x.exr", "--time", "1000")
         self.assertEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], 0)  # blown away
 
+    def test_what_changes_nothing_is_told(self):
+        self.fog |= {"time": {"rate": 2}}
+        self.assertIn("/media/0: time has no effect: there is one map",
+                      self.works("render", self.write(), "-o", self.path("x.exr")).message)
+
     def test_a_top_is_where_it_is_painted(self):
         self.scene["format"] = "volute-scene-2"
         write_rows(self.path("dot.png"), [[255 if x == 4 and y == 4 else 0 for x in range(9)] for y in range(9)])
@@ -386,10 +391,12 @@ class Frames(FogCase):
 
     def test_options_without_effect_are_told(self):
         for more, text in ((("--mu", "0.5"), "mu has no effect"), (("--cell-angle", "0.1"), "cell_angle has no effect"),
-                           (("--border", "clamp"), "border has no effect")):
+                           (("--border", "clamp"), "border has no effect"), (("--fps", "30"), "--fps has no effect")):
             self.assertIn(text, self.works(*self.words(*more)).message)
             self.assertIn(text, self.fails(1, *self.words(*more, "--strict", out="none.exr")))
         self.assertNotIn("no effect", self.works(*self.words("--mu", "0.5", "--levels", "2")).message)
+        blown = ("--fps", "30", "--wind", "1,0,0", "--border", "zero", "--frames", "0:2")
+        self.assertNotIn("no effect", self.works(*self.words(*blown, out="x_%d.exr")).message)
 
     def test_what_is_not_kept_of_a_frame_is_told(self):
         planes = {name: [0.5] * 48 for name in ("R", "G", "B", "diffuse.R", "N.X")}
@@ -456,7 +463,7 @@ class Frames(FogCase):
         self.depth([8] * 48)
         more = ("--profile", "slab:0,8", "--fog-color", "0,0,0")
         self.works(*self.words(*more))
-        self.works(*self.words(*more, "--path", "polar", out="polar.exr"))
+        self.assertNotIn("no effect", self.works(*self.words(*more, "--path", "polar", out="polar.exr")).message)
         difference = self.difference("x.exr", "polar.exr")
         self.assertGreater(difference, 0)
         self.assertLess(difference, 0.5 / 512)
@@ -464,8 +471,9 @@ class Frames(FogCase):
                          ("--profile", "exponential:0,8")):
             words = self.words(*more, *unserved) if unserved[0] != "--profile" else self.words(*unserved)
             self.works(*words)
-            self.works(*[self.path("polar.exr") if word == self.path("x.exr") else word for word in words],
-                       "--path", "polar")
+            said = self.works(*[self.path("polar.exr") if word == self.path("x.exr") else word for word in words],
+                              "--path", "polar").message
+            self.assertIn("path has no effect: fog", said)
             self.assertEqual(self.difference("x.exr", "polar.exr"), 0, unserved)
 
     def test_a_table_is_within_its_bound_however_far_the_eye(self):

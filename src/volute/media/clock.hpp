@@ -18,6 +18,8 @@ struct Clock {
 
   /// The scene's time at which the medium's own first is `own` [s].
   double sceneTime(double own) const { return (own - offset) / rate; }
+
+  bool operator==(const Clock&) const = default;
 };
 
 }  // namespace volute

@@ -215,6 +215,15 @@ void tellOfFilm(const std::vector<FogFrame>& frames, const std::string& color,
   }
   if (frames.size() == 1 && wind && !arguments.given("time"))
     progress.remark("the wind has not moved the fog at 0 s: --time S is later");
+  const bool film = isFilmPath(arguments.get<std::string>("output"));
+  const bool sequence = fog.maps.size() > 1 || namesSeriesOfFiles(fog.maps.front()) ||
+                        !isPicturePath(fog.maps.front());
+  const bool blown = wind && !arguments.given("time") && frames.size() > 1;
+  if (arguments.given("fps") && !film && !sequence && !blown) {
+    progress.remark({RemarkCode::kLeftOut,
+                     "--fps has no effect: there is neither a film nor fog that moves from picture "
+                     "to picture"});
+  }
   if (fog.borderInWind() == FogBorder::kRepeat && !fog.border) {
     progress.remark(
         "what the wind blows out of the map comes in on its other side: --border repeat; others "

@@ -292,6 +292,21 @@ void tellOfIdle(const FogDescription& fog, Progress& progress) {
   }
 }
 
+/// Why no polar table serves a fog, whatever the camera; empty: one may.
+std::string unserved(const FogDescription& fog, bool lit) {
+  if (lit)
+    return "fog in the light of lamps is walked";
+  if (fog.options.degree == 0)
+    return "fog of degree 0 is walked";
+  if (fog.top)
+    return "fog with a top is walked";
+  if (!fog.options.detail.finestOnly())
+    return "fog with dropped details (mu, cell_angle) is walked";
+  const bool decays =
+      std::ranges::any_of(fog.profile.zones(), [](const auto& zone) { return zone.decay != 0; });
+  return decays ? "fog of an exponential profile is walked" : "";
+}
+
 }  // namespace
 
 Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescription& said,
@@ -304,7 +319,13 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
   layer.readAt_ = said.placement.origin;
   const FogDescription description = registered(said);
   VOLUTE_ASSIGN(auto maps, loadMaps(description, reading));
-  tellOfIdle(said, reading.progress);
+  FogDescription told = said;
+  if (const auto why = unserved(said, !layer.lamps_.empty());
+      said.path == FogPath::kPolar && !why.empty())
+    told.idle.push_back({"path", why});
+  if (maps.maps.size() == 1 && !(said.clock == Clock()))
+    told.idle.push_back({"time", "there is one map, and wind follows the scene's time"});
+  tellOfIdle(told, reading.progress);
   if (maps.place)
     tellOfPlace(*maps.place, said, reading.progress);
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
