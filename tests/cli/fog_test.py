@@ -152,6 +152,16 @@ class Scenes(FogCase):
         self.assertIn("/media/0: time has no effect: there is one map",
                       self.works("render", self.write(), "-o", self.path("x.exr")).message)
 
+    def test_a_film_of_one_picture_is_told(self):
+        self.waves()
+        self.fog |= {"map": "waves.png"}
+        self.assertIn("a film of one picture", self.works("render", self.write(), "-o", self.path("x.mp4"), measured=False).message)
+        self.fog |= {"wind": [1, 0]}
+        words = ("render", self.write(), "-o", self.path("x.mp4"))
+        self.assertIn("a film of one picture: --frames 0:250 makes ten seconds, in which the wind moves the fog",
+                      self.works(*words, measured=False).message)
+        self.assertNotIn("one picture", self.works(*words, "--frames", "0:3", measured=False).message)
+
     def test_a_top_is_where_it_is_painted(self):
         self.scene["format"] = "volute-scene-2"
         write_rows(self.path("dot.png"), [[255 if x == 4 and y == 4 else 0 for x in range(9)] for y in range(9)])

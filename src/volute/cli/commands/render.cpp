@@ -37,6 +37,22 @@ void remarkOnCamera(const FilmJob& job, Progress& progress) {
                   target.z(), job.cameraPath->fov.value_or(0)));
 }
 
+/// A film of one picture may be meant to be longer.
+void remarkOnOnePicture(const FilmJob& job, const std::string& target, const Arguments& arguments,
+                        Progress& progress) {
+  if (job.frames.size() != 1 || !isFilmPath(target))
+    return;
+  const bool moves = std::ranges::any_of(job.scene.media(),
+                                         [](const auto& medium) { return medium->info().moves; });
+  std::string longer;
+  if (moves && arguments.given("time"))
+    longer = ": --time holds the fog";
+  else if (moves && !leaderOf(job.scene))
+    longer = fmt::format(": --frames 0:{:.0f} makes ten seconds, in which the wind moves the fog",
+                         10 * arguments.find<double>("fps").value_or(kUsualRate));
+  progress.remark("a film of one picture" + longer);
+}
+
 /// What --aov names, where it takes a .exr with named channels, and --alpha; empty: it is one
 /// picture.
 Result<std::vector<std::string>> layersOf(const Arguments& arguments, const std::string& target) {
@@ -248,6 +264,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   if (!job.reason.empty())
     context.progress.remark(job.reason + "; --time or --frames choose others");
   remarkOnCamera(job, context.progress);
+  remarkOnOnePicture(job, target, arguments, context.progress);
   VOLUTE_ASSIGN(job.renderer, rendererOf(arguments, job.together));
   job.mayFallBack = arguments.get<std::string>("renderer") == "auto";
   job.tree = arguments.get<std::string>("volume-method") == "tree";
