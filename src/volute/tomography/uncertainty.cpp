@@ -439,7 +439,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   // Of smooth media, whose samples differ in the small as much as in the large, volumes come out
   // better than left-out pictures tell, of filaments worse. Fitted to 69 captures of nine kinds;
   // each kind by the others, the root mean square of the logarithm falls from .45 to .29.
-  constexpr double kAlike = 0.361, kSpread = 0.211, kLeast = 0.4, kMax = 1.5;
+  constexpr double kAlike = 0.361, kSpread = 0.211, kMin = 0.4, kMax = 1.5;
   constexpr std::size_t kFewest = 3;  // two predict a third badly, but how badly is what counts
   VOLUTE_TRY(checkReconstruction(given, geometry, options));
   std::vector<TomographyView> reduced;
@@ -490,7 +490,7 @@ Result<VoxelUncertainty> estimateUncertainty(std::span<const TomographyView> giv
   }
   posterior.smooth(mean);
   if (folds > 0) {
-    const double factor = std::clamp(kAlike * std::exp(kSpread * spread / folds), kLeast, kMax);
+    const double factor = std::clamp(kAlike * std::exp(kSpread * spread / folds), kMin, kMax);
     const auto squared = static_cast<float>(factor * factor);
     forElements(mean.size(), [&](std::size_t i) { mean[i] *= squared; });
   }
