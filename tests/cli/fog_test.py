@@ -360,6 +360,11 @@ class Frames(FogCase):
                 for i in range(3):
                     self.works("fog", self.path(f"map{first}_{first + i:04d}.png"), *self.words(out="y.exr", sigma=0.05)[2:])
                     self.assertLess(self.difference(f"x_{first + i:04d}.exr", "y.exr"), 1e-6, (first, rate, i))
+        still = [self.path("map1001_%04d.png"), "--color", self.path("color.exr"), "--depth", self.path("depth.exr"),
+                 "--camera", self.path("camera.json"), "-o", self.path("s_%04d.exr"), "--frames", "1001:1004"]
+        self.assertNotIn("last map", self.works("fog", *still).message)
+        self.works("fog", self.path("map1001_1002.png"), *self.words(out="y.exr", sigma=0.05)[2:])
+        self.assertLess(self.difference("s_1002.exr", "y.exr"), 1e-6)
         for name in ("color", "depth"):  # a frame more than there are maps
             self.path(f"{name}1_0004.exr").write_bytes(self.path(f"{name}.exr").read_bytes())
         words = [self.path("map1_%04d.png"), "--color", self.path("color1_%04d.exr"), "--depth", self.path("depth1_%04d.exr"),
@@ -413,6 +418,10 @@ class Frames(FogCase):
         write_planes(self.path("color.exr"), 8, 6, planes)
         self.assertIn("2 other channels of the frame are left out: N.X, diffuse.R", self.works(*self.words()).message)
         self.assertNotIn("left out", self.works(*self.words(out="x.png")).message)
+        both = {"R": [0.5] * 48, "G": [0.5] * 48, "B": [0.5] * 48, "Z": [20.0] * 48}
+        write_planes(self.path("all.exr"), 8, 6, both)
+        words = [self.path("all.exr") if str(word).endswith(("color.exr", "depth.exr")) else word for word in self.words()]
+        self.assertNotIn("left out", self.works(*words).message)
         planes["R"][0] = float("nan")
         write_planes(self.path("color.exr"), 8, 6, planes)
         self.assertIn("values that are infinite or no numbers (1)", self.works(*self.words(out="x.png")).message)

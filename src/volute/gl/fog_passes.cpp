@@ -101,7 +101,8 @@ Status fillTable(FogTable& table, const FogMedium& fog, const FogShader& shader,
                 resources.programs.get("polar table\n" + shader.structure, "fog", resources.passes,
                                        [&] { return tableParts(shader); }));
   table.filled.clear();
-  table.bends = largestBends(fog.levels().map());
+  if (table.columns == 0)  // a table is of one map
+    table.bends = largestBends(fog.levels().map());
   if (table.columns != columns || table.rows != rows)
     table.texture = makeTexture2d(GL_RGBA32F, columns, rows);
   table.columns = columns, table.rows = rows;

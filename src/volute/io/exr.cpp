@@ -249,7 +249,9 @@ Result<Imf::InputPart> onlyPart(const InputFile& file, Imf::MultiPartInputFile& 
   std::string names;
   for (const FrameChannel& channel : info.channels)
     names += (names.empty() ? "" : ", ") + channel.name;
-  return fail(ErrorCode::kUnsupported, "{}: has {} parts with the channels {}; expected one part",
+  return fail(ErrorCode::kUnsupported,
+              "{}: has {} parts with the channels {}; expected one part: take it out (exrmultipart "
+              "-separate)",
               file.path().string(), exr.parts(), names);
 }
 

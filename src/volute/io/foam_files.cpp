@@ -283,7 +283,9 @@ Status checkFoamMesh(const std::filesystem::path& casePath) {
   const Processors processors = processorsOf(folder);
   if (std::filesystem::exists(folder / "constant" / "polyMesh", error)) {
     const auto times = timesIn(folder);
-    if (times.size() > 1 || processors.times.size() < 2)
+    const bool goesOn = processors.times.size() > 1 &&
+                        (times.empty() || !(times.back() > processors.times.front()));
+    if (times.size() > 1 || !goesOn)
       return {};
     return fail(ErrorCode::kUnsupported,
                 "{}: the case itself has {} of the {} times that its {} processors have until "

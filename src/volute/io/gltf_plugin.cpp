@@ -149,8 +149,11 @@ class GltfReader {
   }
 
   static bool letsLightThrough(const tinygltf::Material& material) {
-    return material.alphaMode == "BLEND" ||
-           material.extensions.contains("KHR_materials_transmission");
+    const auto found = material.extensions.find("KHR_materials_transmission");
+    const bool transmits = found != material.extensions.end() &&
+                           found->second.Has("transmissionFactor") &&
+                           found->second.Get("transmissionFactor").GetNumberAsDouble() > 0;
+    return material.alphaMode == "BLEND" || transmits;
   }
 
   /// Below its cutoff everywhere: textures only make alpha less.

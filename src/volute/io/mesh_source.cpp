@@ -657,11 +657,14 @@ void MeshSource::keepTimesOf(const std::filesystem::path& path) {
     return;
   std::vector<FrameLocation> locations;
   std::vector<double> times;
+  auto from = times_.begin();
   for (const double time : *own) {  // VTK rounds them to float
-    const auto found = std::ranges::find_if(
-        times_, [time](double one) { return static_cast<float>(one) == static_cast<float>(time); });
+    const auto found = std::find_if(from, times_.end(), [time](double one) {
+      return static_cast<float>(one) == static_cast<float>(time);
+    });
     if (found == times_.end())
       return;
+    from = std::next(found);
     locations.push_back(locations_[static_cast<std::size_t>(found - times_.begin())]);
     times.push_back(*found);
   }

@@ -128,7 +128,9 @@ Result<FogDescription> fogOf(const Arguments& arguments, const std::string& map)
   members["map"] = map;
   VOLUTE_ASSIGN(auto fog, parseFog(members, {}));
   fog.rate = arguments.get<double>("fps");
-  fog.byNumber = namesSeriesOfFiles(arguments.find<std::string>("color").value_or(""));
+  fog.byNumber = !arguments.given("time") &&
+                 (arguments.given("frames") ||
+                  namesSeriesOfFiles(arguments.find<std::string>("color").value_or("")));
   return fog;
 }
 

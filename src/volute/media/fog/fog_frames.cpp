@@ -459,6 +459,11 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   VOLUTE_ASSIGN(auto depth, extensionOf(frame.depth) == ".exr"
                                 ? readExrDepth(frame.depth, options, color.layer, reading.maxMemory)
                                 : readPngDepth(frame.depth, options, reading.maxMemory));
+  if (frame.depth == frame.color) {
+    std::erase_if(out.others, [&](const std::string& name) {
+      return depth.what == fmt::format("channel '{}'", name);
+    });
+  }
   VOLUTE_ASSIGN(auto distances,
                 Distances::make(frame, std::move(depth), options, part, out.remarks));
   const PixelWindow& window = part.data;

@@ -101,7 +101,9 @@ Result<Maps> readPattern(const std::string& path, const FogDescription& fog,
 Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Reading& reading) {
   auto opened = openVolume(path, {}, reading);
   bool placeless = false;
-  if (!opened) {  // its cells may be in degrees
+  const bool needsBounds =
+      !opened && std::ranges::count(opened.error().hints, Hint::set("bounds")) > 0;
+  if (needsBounds) {  // its cells may be in degrees
     InputOptions anywhere;
     anywhere.bounds = Box3{Vec3::Zero(), Vec3::Ones()};
     auto again = openVolume(path, anywhere, reading);
@@ -110,6 +112,8 @@ Result<Maps> readVolume(const std::string& path, const FogDescription& fog, Read
     opened = std::move(again);
     placeless = true;
   }
+  if (!opened)
+    return tl::unexpected(opened.error());
   const VolumeInput& input = *opened;
   const VolumeInfo& info = input.source->info();
   if (placeless && !fog.placed) {

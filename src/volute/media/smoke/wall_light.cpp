@@ -229,8 +229,7 @@ struct WallLight::State {
   std::vector<OfLamp> lamps;
   std::array<std::mutex, 64> guards;  ///< of faces, by their number
   std::atomic<std::uint64_t> walks = 0;
-  std::atomic<std::uint64_t> view = 0;  ///< whose walks are kept
-  std::atomic<std::size_t> kept = 0;    ///< walks of its points, of all faces
+  std::atomic<std::size_t> kept = 0;  ///< walks of views' points, of all faces
 
   void begin(const Request& request) {
     for (const Lamp& lamp : request.lamps) {
@@ -498,9 +497,8 @@ void WallLight::shares(const Request& request, std::size_t lamp, std::size_t fac
   FacePatches& known = *set;
   if (request.view != 0 && known.view != request.view) {
     known.view = request.view;
+    state_->kept -= known.walked.size();
     std::vector<std::array<float, 2>>().swap(known.walked);
-    if (state_->view.exchange(request.view) != request.view)
-      state_->kept = 0;
   }
   const bool keeps = request.view != 0;
   std::size_t walked = 0;
