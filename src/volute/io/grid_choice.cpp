@@ -68,8 +68,12 @@ void tellApart(std::span<GridEntry> entries, const std::function<bool(std::size_
   std::vector<std::string> names;
   for (const GridEntry& entry : entries) names.push_back(entry.name);
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (std::ranges::count(names, names[i]) > 1)
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      if (names[k] != names[i] || ofCells(k) == ofCells(i))
+        continue;
       entries[i].name += ofCells(i) ? " (cells)" : " (points)";
+      break;
+    }
   }
 }
 
