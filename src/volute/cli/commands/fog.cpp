@@ -443,8 +443,8 @@ Command fogCommand() {
           "color + (1 - T) fog-color. The map is a greyscale picture (8 or 16 bits, or .exr), a "
           "pattern of pictures, or a volume one voxel high; the extinction is pixel / maximum x "
           "sigma-max, without sRGB decoding, and x alpha; of a volume value x sigma-max. The "
-          "bottom "
-          "row has the smallest y. Maps with numbers go with the frames of the same numbers.",
+          "bottom row has the smallest y. Maps with numbers go with the frames of the same "
+          "numbers.",
       .positionals = {{.name = "MAP", .help = "the painted map of fog"}},
       .options = fogCommandOptions(),
       .run = runFog};

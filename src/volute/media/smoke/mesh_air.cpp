@@ -219,11 +219,9 @@ Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text) {
   return all;
 }
 
-Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
-                                                   std::string_view quantity,
-                                                   std::span<const MeshAirField> named,
-                                                   std::span<const MeshFieldSummary> fields,
-                                                   const MeshFieldNames& later) {
+Result<std::unique_ptr<PointField>> meshConditions(
+    const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
+    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later) {
   const UsualField* usual = usualField(quantity);
   const auto said = std::ranges::find(named, quantity, &MeshAirField::quantity);
   MeshAirField one{std::string(quantity), "", ""};
@@ -239,7 +237,7 @@ Result<std::unique_ptr<PointField>> meshConditions(const MeshSource& mesh,
       summary = field;
   }
   if (!summary)
-    summary = laterField(mesh, later, wanted);
+    summary = laterField(mesh, later(), wanted);
   if (!summary) {
     if (said != named.end())
       return fail(ErrorCode::kNotFound, "the mesh has no scalar field '{}'", said->field);

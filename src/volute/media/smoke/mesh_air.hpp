@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -32,10 +33,11 @@ using MeshFieldNames = std::vector<std::vector<std::string>>;
 /// gases are in mol/mol, those of OpenFOAM in kg/kg, which counts as in air of 28.96 g/mol.
 /// kNotFound where there is none.
 /// @param fields  the case's, at its first time
-/// @param later  the names of its fields at each time, as far as they are told without reading
+/// @param later  gives the names of its fields at each time, as far as they are told without
+///               reading; asked where the first time lacks the field
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshConditions(
     const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
-    std::span<const MeshFieldSummary> fields, const MeshFieldNames& later);
+    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later);
 
 /// A scalar field as it is stored, at the points of a case.
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh,

@@ -16,17 +16,19 @@ std::string MeshSight::description() const {
 
 Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quantity) {
   // A list of fields costs reading the mesh once more.
-  if (!names_)
-    names_ = smoke_->source().fieldNames();
-  const bool alone =
-      std::ranges::all_of(*names_, [](const auto& names) { return names.size() < 2; });
-  if (smoke_->otherFields().empty() && air_.empty() && alone)
+  const auto later = [&]() -> const MeshFieldNames& {
+    if (!names_)
+      names_ = smoke_->source().fieldNames();
+    return *names_;
+  };
+  const auto isAlone = [](const std::vector<std::string>& names) { return names.size() < 2; };
+  if (smoke_->otherFields().empty() && air_.empty() && std::ranges::all_of(later(), isAlone))
     return fail(ErrorCode::kNotFound, "the mesh has no field but '{}'", smoke_->fieldName());
   if (!fields_) {
     VOLUTE_ASSIGN(auto described, smoke_->source().describe(0));
     fields_ = std::move(described.fields);
   }
-  return meshConditions(smoke_->source(), quantity, air_, *fields_, *names_);
+  return meshConditions(smoke_->source(), quantity, air_, *fields_, later);
 }
 
 Result<std::shared_ptr<const SightSnapshot>> MeshSight::readOwn(std::size_t time) {
