@@ -60,6 +60,7 @@ struct LatticeFrame {
   bool bricks = false;                  ///< LatticeReader::readBricks() gives its topology
   bool rounded = false;                 ///< a float may be another number than one of the file
   std::uint64_t memory = 0;             ///< [bytes] that its bricks take, about; 0: unknown
+  std::uint64_t hidden = 0;             ///< voxels that the file marks as none, which are 0
   VectorKind vectors{};                 ///< of three channels
 };
 

@@ -706,6 +706,15 @@ class LatticeSource final : public LayerwiseSource,
         statedTimes(files_, frames, known_ ? known_->present : std::vector<bool>(), remark);
     if (!remark.empty() && options_.remark)
       options_.remark({RemarkCode::kAssumed, remark});
+    const auto hidden = std::ranges::find_if(frames, &LatticeFrame::hidden);
+    if (hidden != frames.end() && options_.remark) {
+      const std::string& file = files_[static_cast<std::size_t>(hidden - frames.begin())].path;
+      options_.remark(
+          Remark(RemarkCode::kLeftOut, fmt::format("{}: {} of its values are marked as hidden "
+                                                   "(vtkGhostType) and taken as 0",
+                                                   file, hidden->hidden))
+              .in(file));
+    }
     if (remark = contradictionIn(files_, frames); !remark.empty() && options_.remark)
       options_.remark({RemarkCode::kDoubtful, remark});
     info_.fillDefaults();

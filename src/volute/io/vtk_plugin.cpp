@@ -4,6 +4,7 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkDataArraySelection.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkDoubleArray.h>
 #include <vtkErrorCode.h>
 #include <vtkFieldData.h>
@@ -21,6 +22,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
+#include <initializer_list>
 #include <limits>
 
 #include "volute/base/number_type.hpp"
@@ -127,6 +130,43 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   return frame;
 }
 
+/// VTK's name of the array that says which cells or points are none.
+constexpr const char* kGhosts = "vtkGhostType";
+
+bool isHidden(vtkDataArray* ghosts, vtkIdType i, bool cells) {
+  const int bits =
+      cells ? int{vtkDataSetAttributes::HIDDENCELL} : int{vtkDataSetAttributes::HIDDENPOINT};
+  return (static_cast<int>(ghosts->GetComponent(i, 0)) & bits) != 0;
+}
+
+vtkDataSetAttributes* attributesOf(vtkImageData* image, bool cells) {
+  return cells ? static_cast<vtkDataSetAttributes*>(image->GetCellData()) : image->GetPointData();
+}
+
+/// Reads these arrays of cells or points and no others.
+void select(vtkXMLImageDataReader* reader, bool cells, std::initializer_list<const char*> names) {
+  reader->GetPointDataArraySelection()->DisableAllArrays();
+  reader->GetCellDataArraySelection()->DisableAllArrays();
+  for (const char* name : names)
+    (cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection())
+        ->EnableArray(name);
+}
+
+/// How many cells or points the file marks as none.
+std::uint64_t countHidden(vtkXMLImageDataReader* reader, bool cells) {
+  vtkDataArraySelection* const all =
+      cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection();
+  if (all->ArrayExists(kGhosts) == 0)
+    return 0;
+  select(reader, cells, {kGhosts});
+  static_cast<vtkAlgorithm&>(*reader).Update();
+  vtkDataArray* ghosts = attributesOf(reader->GetOutput(), cells)->GetArray(kGhosts);
+  std::uint64_t count = 0;
+  for (vtkIdType i = 0; ghosts && i < ghosts->GetNumberOfTuples(); ++i)
+    count += isHidden(ghosts, i, cells) ? 1 : 0;
+  return count;
+}
+
 /// How VTK has the numbers of an array in memory; nothing: only it knows.
 std::optional<NumberType> numbersOf(vtkDataArray* array) {
   if (!array->HasStandardMemoryLayout())
@@ -155,11 +195,12 @@ std::optional<NumberType> numbersOf(vtkDataArray* array) {
 }
 
 /// The part of the file's `values` over `from` that lies in `to`, into the dense array; 0
-/// elsewhere.
-Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
-                std::span<float> values, double offset, double& rounding, const std::string& file) {
+/// elsewhere, and where `hidden` (may be null) says that nothing is.
+Status copyPart(vtkDataArray* array, const std::function<bool(vtkIdType)>& hidden,
+                const IndexBox& from, const IndexBox& to, std::span<float> values, double offset,
+                double& rounding, const std::string& file) {
   const int channels = array->GetNumberOfComponents();
-  const auto numbers = numbersOf(array);
+  const auto numbers = hidden ? std::nullopt : numbersOf(array);
   IndexBox part;
   for (int axis = 0; axis < 3; ++axis) {
     part.begin[axis] = std::max(from.begin[axis], to.begin[axis]);
@@ -180,7 +221,9 @@ Status copyPart(vtkDataArray* array, const IndexBox& from, const IndexBox& to,
                          static_cast<std::size_t>(part.size(0) * channels));
       std::vector<double> doubles;
       for (std::int64_t i = 0; !numbers && i < part.size(0); ++i) {
-        for (int c = 0; c < channels; ++c) doubles.push_back(array->GetComponent(source + i, c));
+        const bool none = hidden && hidden(source + i);
+        for (int c = 0; c < channels; ++c)
+          doubles.push_back(none ? 0 : array->GetComponent(source + i, c));
       }
       const NumberType type = numbers.value_or(
           NumberType{NumberKind::kFloat64, std::endian::native == std::endian::big});
@@ -214,8 +257,11 @@ class VtkReader final : public LatticeReader {
       // Unlike grids of OpenVDB, arrays are never left out where they are empty.
       frame.error().code = ErrorCode::kInvalidData;
     }
-    if (frame)
-      frame->time = statedTime(*reader);
+    if (!frame)
+      return frame;
+    frame->time = statedTime(*reader);
+    frame->hidden = countHidden(reader, entry.cells);
+    VOLUTE_TRY(watch.status(path.string()));
     return frame;
   }
 
@@ -230,10 +276,7 @@ class VtkReader final : public LatticeReader {
     VOLUTE_TRY(watch.status(file));
     ArrayEntry entry;
     VOLUTE_ASSIGN(const LatticeFrame frame, describeImage(reader, wanted, file, entry));
-    reader->GetPointDataArraySelection()->DisableAllArrays();
-    reader->GetCellDataArraySelection()->DisableAllArrays();
-    (entry.cells ? reader->GetCellDataArraySelection() : reader->GetPointDataArraySelection())
-        ->EnableArray(entry.name.c_str());
+    select(reader, entry.cells, {entry.name.c_str(), kGhosts});
     // Of the file's layers those that are asked for.
     IndexBox part = frame.box;
     part.begin[2] = std::max(part.begin[2], box.begin[2]);
@@ -250,8 +293,11 @@ class VtkReader final : public LatticeReader {
     static_cast<vtkAlgorithm&>(*reader).UpdateExtent(extent);  // hidden by a member
     VOLUTE_TRY(watch.status(file));
     vtkImageData* image = reader->GetOutput();
-    auto* data = entry.cells ? static_cast<vtkDataSetAttributes*>(image->GetCellData())
-                             : image->GetPointData();
+    vtkDataSetAttributes* const data = attributesOf(image, entry.cells);
+    vtkDataArray* const ghosts = data->GetArray(kGhosts);
+    std::function<bool(vtkIdType)> hidden;
+    if (ghosts && ghosts->GetNumberOfTuples() == part.size(0) * part.size(1) * part.size(2))
+      hidden = [ghosts, &entry](vtkIdType i) { return isHidden(ghosts, i, entry.cells); };
     vtkDataArray* array = data->GetArray(entry.name.c_str());
     const bool there = std::equal(std::begin(extent), std::end(extent), image->GetExtent());
     const std::int64_t voxels = part.size(0) * part.size(1) * part.size(2);
@@ -261,7 +307,7 @@ class VtkReader final : public LatticeReader {
                   "{}: array '{}' does not have a value for each voxel; the file is damaged", file,
                   frame.grid);
     }
-    return copyPart(array, part, box, values, offset_, rounding, file);
+    return copyPart(array, hidden, part, box, values, offset_, rounding, file);
   }
 
   void takeOffset(double offset) override { offset_ = offset; }

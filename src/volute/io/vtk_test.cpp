@@ -233,6 +233,24 @@ TEST(Vtk, PiecesThatOverlapDoNotMakeUpForHoles) {
   EXPECT_THAT(said({lower, left}), HasSubstr("the cell 2,0,2 (x,y,z) is in none of its pieces"));
 }
 
+TEST(Vtk, HiddenCellsHaveNoValue) {
+  const TempFolder folder;
+  std::string text = inPieces({{0, 4, 0, 4, 0, 4}}), marks;
+  for (int k = 0; k < 64; ++k)
+    marks += k < 3 ? "32 " : k == 3 ? "1 " : "0 ";  // 1: of another piece too
+  text.insert(
+      text.find("<DataArray"),
+      "<DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">" + marks + "</DataArray>");
+  text.replace(text.find(">1 ") + 1, 1, "7");  // what stands there is no value
+  writeBytes(folder / "h.vti", text);
+  std::vector<std::string> remarks;
+  SourceOptions options;
+  options.remark = [&](const Remark& remark) { remarks.push_back(remark.sentence); };
+  ASSERT_VALUE(const auto read, readSequence(folder / "h.vti", options));
+  for (std::size_t k = 0; k < 64; ++k) EXPECT_EQ(read.values[k], k < 3 ? 0 : 1) << k;
+  EXPECT_THAT(remarks, ElementsAre(HasSubstr("3 of its values are marked as hidden")));
+}
+
 TEST(Vtk, ALaterFrameWithoutTheArrayIsRefused) {
   const TempFolder folder;
   const std::string text = inPieces({{0, 4, 0, 4, 0, 4}});
