@@ -112,9 +112,9 @@ class FdsPoints final : public PointField {
     if (!place)
       return {};
     const auto [first, second, share, span] = *place;
-    VOLUTE_TRY(hold(first));
+    VOLUTE_TRY(hold(first, second));
     if (share > 0)
-      VOLUTE_TRY(hold(second));
+      VOLUTE_TRY(hold(second, first));
     const FdsField& a = *held(first);
     const FdsField* b = share > 0 ? held(second) : nullptr;
     parallelRanges(points.size(), 256, [&, share = share](std::size_t begin, std::size_t end) {
@@ -216,13 +216,12 @@ class FdsPoints final : public PointField {
     return nullptr;
   }
 
-  /// Reads a frame, unless it is one of the two that were read last.
-  Status hold(std::size_t frame) {
+  /// Reads a frame, unless it is one of the two that are held, in the place of another than `keep`.
+  Status hold(std::size_t frame, std::size_t keep) {
     if (held(frame) != nullptr)
       return {};
     VOLUTE_ASSIGN(auto field, case_.field(case_.times()[frame]));
-    auto& place =
-        !held_[0] || (held_[1] && held_[0]->first < held_[1]->first) ? held_[0] : held_[1];
+    auto& place = held_[0] && held_[0]->first == keep ? held_[1] : held_[0];
     place.emplace(frame, std::move(field));
     return {};
   }

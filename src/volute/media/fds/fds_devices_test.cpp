@@ -310,6 +310,17 @@ TEST_F(FdsDevices, SlicesAreReadInTheirUnit) {
               HasSubstr("is 20.9 mol/mol at 0 s; expected a fraction of at most 1"));
 }
 
+TEST_F(FdsDevices, TimesMayGoBack) {
+  const fdswriter::Slice slice{{0, 1, 0, 1, 0, 1}, "TEMPERATURE", "temp", "C"};
+  std::vector<std::pair<float, std::vector<float>>> frames;
+  for (int i = 0; i < 5; ++i) frames.emplace_back(10.0F * i, std::vector<float>(8, 20.0F + i));
+  fdswriter::sliceFile(slice, frames).save(folder_ / "t.sf");
+  index_.slice(1, slice, "t.sf", false);
+  auto field = fdsConditions(read(""), "temperature", 1 << 20).value();
+  for (const double time : {35.0, 25.0, 5.0, 15.0, 40.0, 0.0, 5.0, 35.0})
+    EXPECT_NEAR(valueAt(*field, time, 1), 20 + time / 10, 1e-4) << time;
+}
+
 TEST_F(FdsDevices, AFractionAboveOneIsNotUsed) {
   const std::string input =
       "&DEVC ID='O', QUANTITY='VOLUME FRACTION', SPEC_ID='OXYGEN', XYZ=1,.5,.5 /\n";

@@ -2,7 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fds/fds_probe.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -17,17 +16,15 @@ class FdsProbe final : public FieldProbe {
   FdsProbe(SmvIndex index, std::function<double(double)> caseTime, std::uint64_t maxMemory)
       : index_(std::move(index)), caseTime_(std::move(caseTime)), maxMemory_(maxMemory) {}
 
-  /// Before the first stored time and after the last it is theirs, as in the picture.
+  /// A quantity that is not stored at that time is left out.
   Result<std::vector<ProbedField>> at(double time, const Vec3& place) override {
     std::vector<ProbedField> found;
     for (const std::string& quantity : fdsQuantities(index_)) {
       const Field& field = fieldOf(quantity);
       if (!field.values)
         continue;
-      const auto times = field.values->times();
-      const double stored = std::clamp(caseTime_(time), times.front(), times.back());
       double value = 0;
-      VOLUTE_TRY(field.values->at(stored, {&place, 1}, {&value, 1}));
+      VOLUTE_TRY(field.values->at(caseTime_(time), {&place, 1}, {&value, 1}));
       if (std::isfinite(value))
         found.push_back({quantity, {value}, field.unit});
     }
