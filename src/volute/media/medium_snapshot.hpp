@@ -30,6 +30,7 @@ class MediumPicture {
                             std::span<float> depth) = 0;
 
   /// Light towards the eye, and the transmittance of the picture's law: RGBT, 4 values a pixel.
+  /// Those of pixels whose rays end in the eye (`opaqueDepth` 0, perspective) mean nothing.
   virtual void light(const Camera& camera, std::span<const float> opaqueDepth,
                      std::span<float> rgbt) = 0;
 

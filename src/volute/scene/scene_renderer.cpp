@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "volute/base/mask.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/camera/pixel_ray.hpp"
@@ -50,10 +51,9 @@ std::vector<float> endsOf(std::span<const float> opaqueDepth, std::span<const st
   if (only.empty())
     return {opaqueDepth.begin(), opaqueDepth.end()};
   std::vector<float> ends(only.size(), 0);
-  for (std::size_t i = 0; i < only.size(); ++i) {
-    if (only[i])
-      ends[i] = opaqueDepth.empty() ? std::numeric_limits<float>::infinity() : opaqueDepth[i];
-  }
+  forEachSet(only, 0, only.size(), [&](std::size_t i) {
+    ends[i] = opaqueDepth.empty() ? std::numeric_limits<float>::infinity() : opaqueDepth[i];
+  });
   return ends;
 }
 
@@ -64,9 +64,7 @@ Image over(std::span<const float> rgbt, const Camera& camera, std::span<const st
   constexpr std::size_t kGrain = 1 << 16;  // pixels
   Image image(camera.width(), camera.height(), 3);
   parallelRanges(rgbt.size() / 4, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (!only.empty() && !only[i])
-        continue;
+    forEachSet(only, begin, end, [&](std::size_t i) {
       const bool opaque = !opaqueDepth.empty() && std::isfinite(opaqueDepth[i]);
       for (std::size_t c = 0; c < 3; ++c) {
         double behind = opaque ? 0 : options.background[c];
@@ -74,7 +72,7 @@ Image over(std::span<const float> rgbt, const Camera& camera, std::span<const st
           behind = options.behind->pixels[3 * i + c];
         image.pixels[3 * i + c] = static_cast<float>(rgbt[4 * i + c] + rgbt[4 * i + 3] * behind);
       }
-    }
+    });
   });
   return image;
 }
@@ -319,9 +317,9 @@ Result<Image> CpuRenderer::color(const View& view, const RenderOptions& options,
   const auto begin = std::chrono::steady_clock::now();
   const std::size_t pixels = static_cast<std::size_t>(view.camera.width()) * view.camera.height();
   const auto ends = endsOf(view.opaqueDepth, view.only);
-  std::vector<float> rgbt(4 * pixels, 0);
-  (*std::ranges::find_if(pictures_, whole))->light(view.camera, ends, rgbt);
-  Image image = over(rgbt, view.camera, view.only, ends, own);
+  rgbt_.resize(4 * pixels);
+  (*std::ranges::find_if(pictures_, whole))->light(view.camera, ends, rgbt_);
+  Image image = over(rgbt_, view.camera, view.only, ends, own);
   const auto mixed = pixelsThatMeet(view.camera, others_, ends);
   const auto others = static_cast<std::uint64_t>(std::ranges::count(mixed, 1));
   stats.rays = mixed.size() - others;

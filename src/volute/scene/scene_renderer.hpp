@@ -137,6 +137,7 @@ class CpuRenderer final : public SceneRenderer {
   std::vector<std::vector<AnyMedium>>
       made_;                       ///< of each for the camera; empty for those with a picture
   std::vector<AnyMedium> others_;  ///< all of `made_`
+  std::vector<float> rgbt_;        ///< of the last picture: kept for its memory
 };
 
 }  // namespace volute

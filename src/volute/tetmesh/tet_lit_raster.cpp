@@ -121,6 +121,8 @@ HWY_NOINLINE void LightTet(const TetBounds& tet, const LitRamps& ramps, const Bi
       const RampRow source[3] = {
           {ramps.source[0], dy}, {ramps.source[1], dy}, {ramps.source[2], dy}};
       for (int x = spans.first[y]; x <= spans.last[y]; ++x) {
+        if (!tile.asked.has(x, y))
+          continue;
         const VF dx = hn::Load(df, pixels.columns + x * kPixels + part);
         const int at = LitTile::kFields * kPixels * (y * LitTile::kBlocks + x) + part;
         VF low, high;

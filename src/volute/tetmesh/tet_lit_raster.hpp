@@ -44,6 +44,7 @@ struct LitTile {
   };
 
   int x0 = 0, y0 = 0;
+  AskedBlocks asked;
   bool bounded = false;  ///< kEnd counts
   alignas(64) float numbers[kFields * kPixels];
 
@@ -56,9 +57,12 @@ struct LitTile {
 
   float* at(int field, int pixel) { return numbers + field * kBlockPixels + pixel; }
 
-  void fill(int field, float value) {
-    for (int block = 0; block < kBlocks * kBlocks; ++block)
-      std::fill_n(at(field, kFields * kBlockPixels * block), kBlockPixels, value);
+  /// All numbers of a block as before the first tet, but for kEnd and kScale.
+  void clear(int blockX, int blockY) {
+    const int block = kFields * kBlockPixels * (blockY * kBlocks + blockX);
+    std::fill_n(at(0, block), kFields * kBlockPixels, 0.0F);
+    std::fill_n(at(kLast, block), kBlockPixels, 1e37F);
+    std::fill_n(at(kPassed, block), kBlockPixels, 1.0F);
   }
 };
 

@@ -31,6 +31,8 @@ HWY_NOINLINE void AddTet(const TetBounds& tet, const TetRamp& tau, const BinnedT
       const BoundRows<kLows> bounds(tet, dy);
       const Row taus(tau.value, dy), slopes(tau.slope, dy);
       for (int x = spans.first[y]; x <= spans.last[y]; ++x) {
+        if (!tile.asked.has(x, y))
+          continue;
         const VF dx = hn::Load(df, columns + x * kPixels + part);
         VF low, high;
         bounds.at(dx, low, high);
@@ -158,6 +160,8 @@ void ReadTile(const ScreenView& view, const TetTile& tile, float* picture) {
     const auto across = hn::Set(d4, static_cast<float>(per));
     float* row = picture + static_cast<std::size_t>(tile.y0 + y) * view.width + tile.x0;
     for (int x = 0; x < width; x += kBlock) {
+      if (!tile.asked.has(x / kBlock, y / kBlock))
+        continue;
       const float* sums = tile.sum + TetTile::index(x, y);
       const auto first = static_cast<float>(tile.x0 + x + 0.5 - 0.5 * view.width);
       for (int i = 0; i < kBlock; i += static_cast<int>(hn::Lanes(d4))) {

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -57,11 +59,33 @@ struct BinnedTet {
   float nearest, farthest;  ///< of its vertices, along the view [m]
 };
 
+/// Which blocks of a tile have pixels that are asked for.
+struct AskedBlocks {
+  static constexpr std::uint16_t kWhole = 0xffff;
+  static constexpr std::ptrdiff_t kRows = 16;
+
+  std::array<std::uint16_t, kRows> rows{};  ///< of each row of blocks a bit for each
+
+  bool none() const { return std::ranges::count(rows, 0) == kRows; }
+
+  bool all() const { return std::ranges::count(rows, kWhole) == kRows; }
+
+  bool meet(const BinnedTet& tet) const {
+    const unsigned columns = (2U << tet.x1) - (1U << tet.x0);
+    unsigned met = 0;
+    for (int y = tet.y0; y <= tet.y1; ++y) met |= rows[static_cast<std::size_t>(y)];
+    return (met & columns) != 0;
+  }
+
+  bool has(int x, int y) const { return (rows[static_cast<std::size_t>(y)] >> x & 1U) != 0; }
+};
+
 /// One square of pixels. They lie in blocks as wide as SIMD likes them; index() finds them.
 struct TetTile {
   static constexpr int kSide = 64, kBlock = 4, kBlocks = kSide / kBlock;
 
   int x0 = 0, y0 = 0;
+  AskedBlocks asked;
   bool bounded = false;                  ///< `end` counts
   alignas(64) float end[kSide * kSide];  ///< inverse depth (orthographic: minus the depth) where
                                          ///< the ray ends
@@ -82,7 +106,8 @@ void spanTets(const ScreenView& view, const SplatVertex* vertices, std::span<con
 void findEyeTets(const ScreenView& view, const SplatMesh& mesh, std::size_t first,
                  std::span<EyeTet> eyeTets, std::span<std::uint8_t> lows);
 
-/// The tile's optical depths, times the rays' scales, into a picture as wide as the view.
+/// The optical depths of a tile's blocks that are asked for, times the rays' scales, into a picture
+/// as wide as the view.
 void readTile(const ScreenView& view, const TetTile& tile, float* picture);
 
 /// Adds tets to a tile: optical depth for each metre of the rays' scale.

@@ -3,7 +3,9 @@
 #include "volute/tetmesh/tet_splat.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "volute/base/assert.hpp"
@@ -26,42 +28,55 @@ constexpr float kNegligible = 1e-8F;
 /// [m]; what is opaque beyond is not seen.
 constexpr float kFarAway = 1e30F;
 
-/// Calls use(place in the tile, x, y) for the tile's pixels.
+/// Calls use(place in the tile, x, y) for the pixels of the tile's blocks that are asked for.
 template <class Tile, class Use>
 void forEachPixel(const ScreenView& view, const Tile& tile, const Use& use) {
   for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
-    for (int x = tile.x0; x < std::min(tile.x0 + Tile::kSide, view.width); ++x)
-      use(Tile::index(x - tile.x0, y - tile.y0), x, y);
-  }
-}
-
-/// Whether a ray of the tile ends at something opaque.
-template <class Tile>
-bool meetsOpaque(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
-  bool any = false;
-  if (!opaque.empty()) {
-    const int columns = std::min(Tile::kSide, view.width - tile.x0);
-    for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
-      const float* row = &opaque[static_cast<std::size_t>(y) * view.width + tile.x0];
-      any |= std::any_of(row, row + columns, [](float end) { return end < kFarAway; });
+    for (int x = tile.x0; x < std::min(tile.x0 + Tile::kSide, view.width); ++x) {
+      const int column = x - tile.x0, row = y - tile.y0;
+      if (tile.asked.has(column / TetTile::kBlock, row / TetTile::kBlock))
+        use(Tile::index(column, row), x, y);
+      else
+        x += TetTile::kBlock - 1;  // the rest of the block
     }
   }
-  return any;
 }
 
-/// Whether all rays of a tile end in the eye: what is in it was not asked for. Parallel rays have
-/// smoke before a depth of 0.
+/// What of a tile is asked for, and whether a ray of it ends at something opaque. Parallel rays
+/// have smoke before a depth of 0.
 template <class Tile>
-bool endsAtEye(const ScreenView& view, OpaqueDepth opaque, const Tile& tile) {
-  if (!tile.bounded || view.orthographic)
-    return false;
+void setAsked(const ScreenView& view, OpaqueDepth opaque, Tile& tile) {
+  constexpr int kBlock = TetTile::kBlock;
+  tile.bounded = false;
+  tile.asked.rows.fill(opaque.empty() || view.orthographic ? AskedBlocks::kWhole : 0);
+  if (opaque.empty())
+    return;
   const int columns = std::min(Tile::kSide, view.width - tile.x0);
   for (int y = tile.y0; y < std::min(tile.y0 + Tile::kSide, view.height); ++y) {
     const float* row = &opaque[static_cast<std::size_t>(y) * view.width + tile.x0];
-    if (!std::all_of(row, row + columns, [](float end) { return end == 0; }))
-      return false;
+    std::uint32_t bits = 0;  // in long runs of what is not asked for nothing is
+    for (int x = 0; x < columns; ++x) bits |= std::bit_cast<std::uint32_t>(row[x]);
+    tile.bounded |= std::any_of(row, row + columns, [](float end) { return end < kFarAway; });
+    if (bits == 0)
+      continue;
+    unsigned blocks = 0;
+    for (int x = 0; x < columns; ++x) blocks |= (row[x] > 0 ? 1U : 0U) << (x / kBlock);
+    tile.asked.rows[static_cast<std::size_t>((y - tile.y0) / kBlock)] |=
+        static_cast<std::uint16_t>(blocks);
   }
-  return true;
+}
+
+/// Calls add(tets) for those of a tile that may meet what is asked for.
+template <class Tile, class Add>
+void forTets(const TetBins& bins, std::size_t place, const Tile& tile, const Add& add) {
+  if (tile.asked.all())
+    return bins.forEach(place, add);
+  std::vector<BinnedTet> met;
+  bins.forEach(place, [&](std::span<const BinnedTet> tets) {
+    std::ranges::copy_if(tets, std::back_inserter(met),
+                         [&](const BinnedTet& tet) { return tile.asked.meet(tet); });
+  });
+  add(met);
 }
 
 /// Where the rays of a tile end: calls set(place in the tile, inverse depth).
@@ -134,7 +149,7 @@ struct TetSplat::State {
   void lookFrom(const ScreenView& view);
 
   void sortFor(const ScreenView& view);
-  void lightLeftOut(const Camera& camera, OpaqueDepth opaque, std::span<const std::uint8_t> wrong,
+  void lightLeftOut(const Camera& camera, OpaqueDepth opaque, std::span<const std::size_t> pixels,
                     std::span<float> rgbt);
 
   SplatMesh splatMesh() const {
@@ -236,15 +251,16 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     TetTile tile;
     tile.x0 = static_cast<int>(i) % bins.across() * TetTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * TetTile::kSide;
+    setAsked(view, opaque, tile);
+    if (tile.asked.none())
+      return;
     std::ranges::fill(tile.sum, 0.0F);
-    tile.bounded = meetsOpaque(view, opaque, tile);
-    if (endsAtEye(view, opaque, tile))
-      return readTile(view, tile, depth.data());
     if (tile.bounded) {
       std::ranges::fill(tile.end, 0.0F);
       bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
     }
-    bins.forEach(i, [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
+    forTets(bins, i, tile,
+            [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
     readTile(view, tile, depth.data());
   });
 }
@@ -261,13 +277,8 @@ void TetSplat::State::sortFor(const ScreenView& view) {
 }
 
 void TetSplat::State::lightLeftOut(const Camera& camera, OpaqueDepth opaque,
-                                   std::span<const std::uint8_t> wrong, std::span<float> rgbt) {
+                                   std::span<const std::size_t> pixels, std::span<float> rgbt) {
   constexpr std::size_t kTogether = 16;
-  std::vector<std::size_t> pixels;
-  for (std::size_t i = 0; i < wrong.size(); ++i) {
-    if (wrong[i])
-      pixels.push_back(i);
-  }
   leftOut = pixels.size();
   if (pixels.empty())
     return;
@@ -300,37 +311,39 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
   const LitMesh mesh{state.splatMesh(), state.sources.data(), state.mesh().vertices().data(),
                      state.mesh().tets().data()};
   const auto size = static_cast<float>(state.mesh().bounds().size().norm());
-  std::vector<std::uint8_t> wrong(rgbt.size() / 4, 0);
-  parallelFor(static_cast<std::size_t>(bins.across()) * bins.down(), [&](std::size_t i) {
+  const std::size_t tiles = static_cast<std::size_t>(bins.across()) * bins.down();
+  std::vector<std::vector<std::size_t>> wrong(tiles);  // pixels of each
+  parallelFor(tiles, [&](std::size_t i) {
     LitTile tile;
     tile.x0 = static_cast<int>(i) % bins.across() * LitTile::kSide;
     tile.y0 = static_cast<int>(i) / bins.across() * LitTile::kSide;
-    tile.bounded = meetsOpaque(view, opaque, tile);
-    if (endsAtEye(view, opaque, tile)) {
-      forEachPixel(view, tile, [&](int, int x, int y) {
-        float* out = &rgbt[4 * (static_cast<std::size_t>(y) * view.width + x)];
-        out[0] = out[1] = out[2] = 0, out[3] = 1;
-      });
+    setAsked(view, opaque, tile);
+    if (tile.asked.none())
       return;
+    for (int y = 0; y < LitTile::kBlocks; ++y) {
+      for (int x = 0; x < LitTile::kBlocks; ++x) {
+        if (tile.asked.has(x, y))
+          tile.clear(x, y);
+      }
     }
-    std::ranges::fill(tile.numbers, 0.0F);
-    tile.fill(LitTile::kLast, 1e37F);
-    tile.fill(LitTile::kPassed, 1);
     forEachPixel(view, tile, [&](int at, int x, int y) {
       *tile.at(LitTile::kScale, at) = static_cast<float>(view.rayScale(x, y));
     });
     if (tile.bounded)
       bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
-    bins.forEach(i,
-                 [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
+    forTets(bins, i, tile,
+            [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
     forEachPixel(view, tile, [&](int at, int x, int y) {
       const std::size_t pixel = static_cast<std::size_t>(y) * view.width + x;
       for (int c = 0; c < 3; ++c) rgbt[4 * pixel + c] = *tile.at(LitTile::kLight + c, at);
       rgbt[4 * pixel + 3] = *tile.at(LitTile::kPassed, at);
-      wrong[pixel] = *tile.at(LitTile::kWrong, at) != 0;
+      if (*tile.at(LitTile::kWrong, at) != 0)
+        wrong[i].push_back(pixel);
     });
   });
-  state.lightLeftOut(camera, opaque, wrong, rgbt);
+  std::vector<std::size_t> pixels;
+  for (const auto& some : wrong) pixels.insert(pixels.end(), some.begin(), some.end());
+  state.lightLeftOut(camera, opaque, pixels, rgbt);
 }
 
 std::size_t TetSplat::leftOut() const {

@@ -23,6 +23,9 @@ namespace volute {
 /// from its second picture on, and the order; while nothing moves, also where the tets are seen.
 /// The pictures are the same, bit by bit.
 ///
+/// Pixels whose rays end in the eye (an opaque depth of 0, perspective) are not asked for: they
+/// keep what they have, or have no smoke.
+///
 /// Float and SIMD, on all threads; |d alpha| <= 1e-5. The result does not depend on the number of
 /// threads.
 class TetSplat {

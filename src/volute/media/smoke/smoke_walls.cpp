@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "volute/base/mask.hpp"
 #include "volute/base/parallel.hpp"
 
 namespace volute {
@@ -18,18 +19,21 @@ constexpr std::size_t kFewPixels = 1 << 16;
 struct PixelsOfFaces {
   std::vector<std::uint32_t> begin, pixels;
 
-  PixelsOfFaces(std::span<const std::uint32_t> faceOf, std::size_t faces) : begin(faces + 1, 0) {
-    for (const std::uint32_t face : faceOf) {
-      if (face != WallView::kNone)
-        ++begin[face + 1];
-    }
+  /// @param only  not 0 for pixels that count; empty: all
+  PixelsOfFaces(std::span<const std::uint32_t> faceOf, std::size_t faces,
+                std::span<const std::uint8_t> only)
+      : begin(faces + 1, 0) {
+    forEachSet(only, 0, faceOf.size(), [&](std::size_t i) {
+      if (faceOf[i] != WallView::kNone)
+        ++begin[faceOf[i] + 1];
+    });
     for (std::size_t f = 0; f < faces; ++f) begin[f + 1] += begin[f];
     pixels.resize(begin.back());
     std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (std::size_t i = 0; i < faceOf.size(); ++i) {
+    forEachSet(only, 0, faceOf.size(), [&](std::size_t i) {
       if (faceOf[i] != WallView::kNone)
         pixels[next[faceOf[i]]++] = static_cast<std::uint32_t>(i);
-    }
+    });
   }
 
   std::span<const std::uint32_t> of(std::size_t face) const {
@@ -235,7 +239,7 @@ Result<SurfaceView> lookAtWalls(const Camera& camera, const SmokeState& smoke,
   WallLight* const kept = smoke.interval.light ? smoke.interval.light.get() : known;
   const LampsOnWalls lamps(smoke, lights, blocks, *walls, all ? all->number : 0,
                            kept ? *kept : found);
-  const PixelsOfFaces seen(faceOf, walls->faces().size());
+  const PixelsOfFaces seen(faceOf, walls->faces().size(), only);
   const auto vertices = smoke.locator->mesh().vertices();
   parallelRanges(walls->faces().size(), kFewFaces, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3> points;

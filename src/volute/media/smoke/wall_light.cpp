@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 
+#include "volute/base/mask.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/lighting/vertex_light.hpp"
 
@@ -430,13 +431,13 @@ void MeshWalls::look(const Camera& camera, std::span<const std::uint8_t> only,
   parallelFor(static_cast<std::size_t>(camera.height()), [&](std::size_t y) {
     std::vector<Segment> rays;
     std::vector<std::size_t> pixels;
-    for (std::size_t x = 0; x < width; ++x) {
-      const std::size_t pixel = y * width + x;
-      if (!only.empty() && !only[pixel])
-        continue;
+    forEachSet(only, y * width, (y + 1) * width, [&](std::size_t pixel) {
       pixels.push_back(pixel);
-      rays.push_back(camera.ray(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5));
-    }
+      rays.push_back(
+          camera.ray(static_cast<double>(pixel - y * width) + 0.5, static_cast<double>(y) + 0.5));
+    });
+    if (pixels.empty())
+      return;
     std::vector<Hit> hits(rays.size());
     nearest(rays, hits);
     for (std::size_t i = 0; i < hits.size(); ++i) {
