@@ -3,10 +3,12 @@
 #include "volute/io/lattice_source.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <optional>
 
 #include "volute/base/assert.hpp"
@@ -354,13 +356,32 @@ std::string contradictionIn(const std::vector<LatticeFile>& files,
   return contradictionOf(collected);
 }
 
-/// What is wrong with data of one file of several says which frame that is.
-Error inFrame(Error error, const std::vector<LatticeFile>& files, std::size_t i) {
-  if (files.size() > 1 &&
-      (error.code == ErrorCode::kInvalidData || error.code == ErrorCode::kTruncated)) {
-    error.message += fmt::format(" (frame {})", files[i].frameText());
-    error.statement.clear();
+bool isOfData(const Error& error) {
+  return error.code == ErrorCode::kInvalidData || error.code == ErrorCode::kTruncated;
+}
+
+/// What is wrong with data of one file of several says which frame that is, which of the later ones
+/// are as bad, and what to do.
+/// @param open  whether a file can be used
+Error inFrame(Error error, const std::vector<LatticeFile>& files, std::size_t i,
+              const std::function<Status(std::size_t)>& open) {
+  if (files.size() == 1 || !isOfData(error))
+    return error;
+  constexpr std::size_t kNamed = 8;
+  std::vector<std::string> others;
+  for (std::size_t k = i + 1; k < files.size(); ++k) {
+    if (const auto opened = open(k); !opened && isOfData(opened.error()))
+      others.push_back(files[k].frameText());
   }
+  const std::size_t more = others.size() - std::min(others.size(), kNamed);
+  others.resize(others.size() - more);
+  error.message += fmt::format(" (frame {}{}{}{})", files[i].frameText(),
+                               others.empty() ? "" : "; nor can be used ", fmt::join(others, ", "),
+                               more > 0 ? fmt::format(" and {} more", more) : "");
+  if (others.size() + 1 < files.size())
+    error.message += others.empty() ? "; without that file the sequence has a gap there"
+                                    : "; without these files the sequence has gaps there";
+  error.statement.clear();
   return error;
 }
 
@@ -581,7 +602,9 @@ class LatticeSource final : public LayerwiseSource,
       const bool absent = !frame && !grid.empty() && frame.error().code == ErrorCode::kNotFound &&
                           std::filesystem::exists(files_[i].path, error);
       if (!frame && !absent)
-        return tl::unexpected(inFrame(std::move(frame.error()), files_, i));
+        return tl::unexpected(inFrame(std::move(frame.error()), files_, i, [&](std::size_t k) {
+          return Status(describe(k, grid).map([](const auto&) {}));
+        }));
       present.push_back(!absent);
       if (absent) {
         if (!missing)
@@ -813,17 +836,23 @@ Result<std::vector<LatticeCache>> describeCache(const std::vector<LatticeFile>& 
                                                 std::uint64_t maxMemory) {
   ReaderProcess process(readerOf(files, loadVdbPlugin));
   std::vector<LatticeCache> caches;
-  for (std::size_t i = 0; i < files.size(); ++i) {
-    const LatticeFile& file = files[i];
-    const std::string name = file.path.string();
+  const auto ask = [&](const std::filesystem::path& path) {
     Request request;
     request.cache = true;
     // Grids whose box the file does not note are read for it.
-    ReaderProcess::Limits limits = limitsFor(file.path, 0, maxMemory);
-    limits.seconds += 2e-6 * static_cast<double>(sizeOf(file.path));
-    auto asked = HeldBytes::ask(process, file.path, request, limits);
-    if (!asked)
-      return tl::unexpected(inFrame(std::move(asked.error()), files, i));
+    ReaderProcess::Limits limits = limitsFor(path, 0, maxMemory);
+    limits.seconds += 2e-6 * static_cast<double>(sizeOf(path));
+    return HeldBytes::ask(process, path, request, limits);
+  };
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const LatticeFile& file = files[i];
+    const std::string name = file.path.string();
+    auto asked = ask(file.path);
+    if (!asked) {
+      return tl::unexpected(inFrame(std::move(asked.error()), files, i, [&](std::size_t k) {
+        return Status(ask(files[k].path).map([](const auto&) {}));
+      }));
+    }
     HeldBytes bytes = std::move(*asked);
     constexpr std::uint64_t kMaxBytes = std::uint64_t{32} << 20;
     if (bytes.size() > kMaxBytes) {

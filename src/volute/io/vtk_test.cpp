@@ -6,6 +6,7 @@
 
 #include <array>
 #include <random>
+#include <set>
 
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/rounding_source.hpp"
@@ -18,6 +19,7 @@ namespace volute {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using namespace testing;
@@ -263,6 +265,24 @@ TEST(Vtk, ALaterFrameWithoutTheArrayIsRefused) {
   ASSERT_FALSE(read);
   EXPECT_THAT(read.error().message, HasSubstr("a_0001.vti: no"));
   EXPECT_THAT(read.error().message, HasSubstr("did you mean 'K'?"));
+}
+
+TEST(Vtk, DamagedFramesOfASequenceAreNamedTogether) {
+  const TempFolder folder;
+  const std::string text = inPieces({{0, 4, 0, 4, 0, 4}});
+  const auto said = [&](const std::set<int>& damaged) {
+    for (int i = 0; i < 4; ++i) {
+      writeBytes(folder / fmt::format("a_{}.vti", i),
+                 damaged.contains(i) ? text.substr(0, text.size() / 2) : text);
+    }
+    const auto read = readSequence(folder / "a_%d.vti");
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_EQ(said({}), "");
+  EXPECT_THAT(said({1}), EndsWith(" (frame 1); without that file the sequence has a gap there"));
+  EXPECT_THAT(said({1, 3}), EndsWith(" (frame 1; nor can be used 3); without these files the "
+                                     "sequence has gaps there"));
+  EXPECT_THAT(said({0, 1, 2, 3}), EndsWith(" (frame 0; nor can be used 1, 2, 3)"));
 }
 
 TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
