@@ -66,11 +66,6 @@ ScreenVertex ScreenView::project(const Vec3& point) const {
           static_cast<float>(z)};
 }
 
-double ScreenView::rayScale(int x, int y) const {
-  const double px = x + 0.5 - 0.5 * width, py = y + 0.5 - 0.5 * height;
-  return orthographic ? 1 : std::sqrt(1 + (px * px + py * py) / (perPixel * perPixel));
-}
-
 PixelBox pixelBox(const ScreenView& view, const ScreenVertex& a, const ScreenVertex& b,
                   const ScreenVertex& c) {
   constexpr float kMax = std::numeric_limits<float>::max();

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cmath>
+
 #include "volute/camera/camera.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
@@ -21,7 +23,10 @@ struct ScreenView {
   ScreenVertex project(const Vec3& point) const;
 
   /// Distance along a pixel's ray for each metre of depth.
-  double rayScale(int x, int y) const;
+  double rayScale(int x, int y) const {
+    const double px = x + 0.5 - 0.5 * width, py = y + 0.5 - 0.5 * height;
+    return orthographic ? 1 : std::sqrt(1 + (px * px + py * py) / (perPixel * perPixel));
+  }
 
   Vec3 eye, right, down, forward;
   double perPixel;  ///< 1 / Camera::pixelSize

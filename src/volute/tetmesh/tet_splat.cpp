@@ -79,14 +79,11 @@ void forTets(const TetBins& bins, std::size_t place, const Tile& tile, const Add
   add(met);
 }
 
-/// Where the rays of a tile end: calls set(place in the tile, inverse depth).
-template <class Tile, class Set>
-void bound(const ScreenView& view, OpaqueDepth opaque, const Tile& tile, const Set& set) {
-  forEachPixel(view, tile, [&](int at, int x, int y) {
-    const float end = opaque[static_cast<std::size_t>(y) * view.width + x];
-    const double z = std::min(end / view.rayScale(x, y), double{kFarAway});
-    set(at, static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30)));
-  });
+/// The inverse depth (orthographic: minus the depth) where a pixel's ray ends.
+float inverseEnd(const ScreenView& view, OpaqueDepth opaque, double rayScale, int x, int y) {
+  const float end = opaque[static_cast<std::size_t>(y) * view.width + x];
+  const double z = std::min(end / rayScale, double{kFarAway});
+  return static_cast<float>(view.orthographic ? -z : 1 / std::max(z, 1e-30));
 }
 
 /// Whether two views see every vertex in the same place.
@@ -257,7 +254,9 @@ void TetSplat::opticalDepth(const Camera& camera, OpaqueDepth opaque, std::span<
     std::ranges::fill(tile.sum, 0.0F);
     if (tile.bounded) {
       std::ranges::fill(tile.end, 0.0F);
-      bound(view, opaque, tile, [&](int at, float end) { tile.end[at] = end; });
+      forEachPixel(view, tile, [&](int at, int x, int y) {
+        tile.end[at] = inverseEnd(view, opaque, view.rayScale(x, y), x, y);
+      });
     }
     forTets(bins, i, tile,
             [&](std::span<const BinnedTet> tets) { splatTets(view, mesh, tets, tile); });
@@ -327,10 +326,11 @@ void TetSplat::litColor(const Camera& camera, OpaqueDepth opaque, std::span<floa
       }
     }
     forEachPixel(view, tile, [&](int at, int x, int y) {
-      *tile.at(LitTile::kScale, at) = static_cast<float>(view.rayScale(x, y));
+      const double scale = view.rayScale(x, y);
+      *tile.at(LitTile::kScale, at) = static_cast<float>(scale);
+      if (tile.bounded)
+        *tile.at(LitTile::kEnd, at) = inverseEnd(view, opaque, scale, x, y);
     });
-    if (tile.bounded)
-      bound(view, opaque, tile, [&](int at, float end) { *tile.at(LitTile::kEnd, at) = end; });
     forTets(bins, i, tile,
             [&](std::span<const BinnedTet> tets) { lightTets(view, mesh, tets, size, tile); });
     forEachPixel(view, tile, [&](int at, int x, int y) {
