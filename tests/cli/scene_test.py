@@ -58,6 +58,20 @@ class OwnKind(support.TestCase):
         self.assertIn("volute_medium_ball.so is cut off", said.message)
 
 
+class SightOfLossyVolumes(support.TestCase):
+    def test_what_a_file_is_off_by_is_said(self):
+        values = [0.5 + 0.08 * (k * 37 % 101) / 100 for k in range(512)]
+        write_npy(self.path("k.npy"), (8, 8, 8), values)
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [8, 1, 1], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n-1,1,1\n")
+        for error, said in (("0.09", True), ("0.0001", False)):
+            self.works("compress", self.path("k.npy"), "-o", self.path("k.volute"), "--bounds", "0,0,0,7,2,2", "--max-error", error)
+            seen = support.volute("visibility", self.path("k.volute"), "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"),
+                                  "--extinction", "1", "-o", self.path("seen"))
+            self.assertEqual(seen.code, 0, seen.message)
+            self.assertEqual("compressed with loss and are off by up to" in seen.message, said, seen.message)
+
+
 class Scene(support.TestCase):
     def setUp(self):
         super().setUp()

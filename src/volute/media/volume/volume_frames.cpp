@@ -955,6 +955,18 @@ BrickSlice asItLooks(BrickSlice slice, const VolumeInfo& info) {
 Result<std::unique_ptr<SightField>> VolumeMedium::sight(Reading& reading) {
   measuresSight_ = true;
   sliceFramePosition_ = -1;
+  const double off = input_->reader ? input_->reader->header().reachedMaxError : 0;
+  const double perMetre = off * std::abs(appearance_.extinction);
+  constexpr double kOfNoAccount = 0.05;  // of an optical depth
+  if (perMetre * info().bounds.size().norm() > kOfNoAccount) {
+    remarks.push_back(
+        Remark(RemarkCode::kChanged,
+               fmt::format("{}: its values were compressed with loss and are off by up to {:.3g}: "
+                           "bounds of optical depths do not count that, which is up to {:.3g} for "
+                           "each metre",
+                           path_, off, perMetre))
+            .in(path_));
+  }
   return SceneMedium::sight(reading);
 }
 
