@@ -32,6 +32,7 @@ typedef struct volute_segment {
 /* A stretch of a segment where the medium has a closed form. With u = s - begin:
  *   extinction(u) = (extinction[0] + extinction[1] u + .. + extinction[3] u^3) exp(-decay u)  [1/m]
  *   emission(u)   = likewise, linear red, green and blue                             [radiance/m]
+ * An extinction is not below 0, but for a hundredth of its largest value, by which a fit may miss.
  */
 typedef struct volute_piece {
   size_t segment;    /* number of the segment, from 0 */

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <deque>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "volute/io/plugin.hpp"
@@ -83,6 +85,23 @@ bool finite(const volute_piece& piece) {
          all(piece.emission[2]) && std::isfinite(piece.decay) && std::isfinite(piece.begin);
 }
 
+/// The least of a piece's extinction, where that is clearly below 0; a fit may be so a little.
+std::optional<double> negativeExtinction(const Piece& piece) {
+  constexpr double kOvershoot = 0.01;  // of the largest value
+  constexpr double kFaded = 40;        // lengths of the decay
+  constexpr int kSamples = 16;
+  const double length =
+      std::min(piece.end - piece.begin,
+               piece.decay > 0 ? kFaded / piece.decay : std::numeric_limits<double>::max());
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int i = 0; i <= kSamples; ++i) {
+    const double u = piece.extinction.isConstant() ? 0 : length * i / kSamples;
+    const double value = std::exp(-piece.decay * u) * piece.extinction(u);
+    least = std::min(least, value), most = std::max(most, std::abs(value));
+  }
+  return least < -kOvershoot * most ? std::optional(least) : std::nullopt;
+}
+
 /// Ends may be off by rounding.
 std::string takePiece(PieceSink& sink, const volute_piece& from) {
   constexpr double kRounding = 1e-9;
@@ -115,12 +134,18 @@ std::string takePiece(PieceSink& sink, const volute_piece& from) {
       piece.extinction.isConstant() && std::ranges::all_of(piece.emission, &Polynomial::isConstant);
   if (std::isinf(piece.end) && !(piece.decay > 0) && !constant)
     return "a piece without end varies, and has no decay";
+  if (const auto least = negativeExtinction(piece)) {
+    return fmt::format("a piece from {} to {} m has an extinction of {:g}/m; expected at least 0",
+                       piece.begin, piece.end, *least / sink.factor);
+  }
   pieces.push_back(piece);
   return "";
 }
 
 extern "C" void takePieces(void* to, const volute_piece* pieces, std::size_t count) {
   auto& sink = *static_cast<PieceSink*>(to);
+  if (!pieces && count > 0 && sink.fault.empty())
+    sink.fault = fmt::format("{} pieces at NULL", count);
   for (std::size_t i = 0; i < count && sink.fault.empty(); ++i)
     sink.fault = takePiece(sink, pieces[i]);
 }

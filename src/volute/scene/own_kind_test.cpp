@@ -116,8 +116,31 @@ TEST(OwnKind, PiecesThatMakeNoSenseAreFaults) {
   EXPECT_THAT(faultOf({0, -3, 1, {0.5}, {}, 0}), HasSubstr("outside its segment's -2 to 2 m"));
   EXPECT_THAT(faultOf({0, -1, infinite, {0, 1}, {}, 0}, -2, infinite), HasSubstr("has no decay"));
   EXPECT_EQ(faultOf({0, -1, infinite, {0.5}, {}, 2}, -2, infinite), "0.25");
+  EXPECT_THAT(faultOf({0, -1, 1, {-2}, {}, 0}), HasSubstr("extinction of -2/m; expected at least"));
+  EXPECT_THAT(faultOf({0, -1, 1, {1, 0, -1}, {}, 0}), HasSubstr("an extinction of -3/m"));
+  EXPECT_THAT(faultOf({0, -1, infinite, {-1}, {}, 2}, -2, infinite), HasSubstr("of -1/m"));
+  EXPECT_THAT(faultOf({0, -1, 1, {2, -1.0001}, {}, 0}), HasSubstr("1.99"));  // a fit's overshoot
   told.why = "no pieces today";
   EXPECT_THAT(faultOf({0, -1, 1, {0.5}, {}, 0}), HasSubstr("kind 'told': no pieces today"));
+}
+
+TEST(OwnKind, PiecesAtNullAreAFault) {
+  told = {};
+  volute_medium_kind kind = toldKind("none");
+  kind.pieces = [](void*, double, const volute_segment*, std::size_t, volute_pieces_function give,
+                   void* to) -> const char* {
+    give(to, nullptr, 3);
+    return nullptr;
+  };
+  EXPECT_TRUE(registerOwnKind(kind));
+  Progress quiet;
+  auto scene = sceneWith({{"kind", "none"}});
+  ASSERT_TRUE(scene);
+  std::vector<AnyMedium> media;
+  scene->at({.time = 0}, quiet)->media.front()->addMedia(media);
+  const Segment segment{Vec3::Zero(), Vec3::UnitX(), 0, 1};
+  double depth = 0;
+  EXPECT_THROW(media.front().opticalDepth({&segment, 1}, {&depth, 1}), OwnMediumFault);
 }
 
 TEST(OwnKind, WhatItCannotSayEndsAPicture) {
