@@ -970,8 +970,35 @@ Result<std::unique_ptr<SightField>> VolumeMedium::sight(Reading& reading) {
   return SceneMedium::sight(reading);
 }
 
+namespace {
+
+/// Of the largest value: so much below 0 an extinction may be, by rounding and by solvers.
+constexpr float kOvershoot = 0.1F;
+
+}  // namespace
+
+void VolumeMedium::remarkOnNegative(const BrickSlice& slice, double framePosition) {
+  if (negativeTold_ || measuresSight_ || appearance_.extinction == 0)
+    return;
+  float least = 0, most = 0;
+  std::size_t below = 0;
+  for (const float value : slice.values()) {
+    below += value < 0;
+    least = std::min(least, value), most = std::max(most, value);
+  }
+  if (!(-least > kOvershoot * most))
+    return;
+  negativeTold_ = true;
+  progress_->remark(
+      Remark(RemarkCode::kDoubtful,
+             fmt::format("{}: grid '{}', frame {}: {} values are below 0, the smallest {:g}: as an "
+                         "extinction they add light to what is behind them",
+                         path_, volume_.name,
+                         volume_.frameText(static_cast<std::size_t>(framePosition)), below, least))
+          .in(path_));
+}
+
 Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double framePosition) const {
-  constexpr float kOvershoot = 0.1F;  // of the largest value
   float least = 0, most = 0;
   for (const float value : slice->values())
     least = std::min(least, value), most = std::max(most, value);

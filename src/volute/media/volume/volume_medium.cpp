@@ -327,6 +327,7 @@ Result<std::shared_ptr<const MediumSnapshot>> VolumeMedium::at(const SnapshotReq
     return std::make_shared<const VolumeSnapshot>(*this, std::move(tree), position, request.factor);
   }
   VOLUTE_ASSIGN(auto slice, sliceAt(framePosition));
+  remarkOnNegative(*slice, framePosition);
   block_ = rowOf(position);
   const bool moves = request.moving && refines(*slice) && slice != drawnOf_;
   auto shown = std::make_shared<VolumeSnapshot>(

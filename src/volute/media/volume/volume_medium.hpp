@@ -236,6 +236,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<Slice> readAt(FrameSource& source, double framePosition);
   /// No value of it is below 0; see sight().
   [[nodiscard]] Result<Slice> asExtinction(Slice slice, double framePosition) const;
+  /// Tells once that a picture's extinction is below 0 in places.
+  void remarkOnNegative(const BrickSlice& slice, double framePosition);
   /// A stored frame; those around the last frame position are kept.
   [[nodiscard]] Result<Slice> frameOf(FrameSource& source, int position);
   /// All bricks of the volume; kTooLarge where they are too many.
@@ -323,6 +325,7 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   VectorKind vectors_{};                                ///< of the former
   std::vector<KeptFrame> kept_;
   bool velocitiesChecked_ = false;
+  bool negativeTold_ = false;
   double pathsFramePosition_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;
 
