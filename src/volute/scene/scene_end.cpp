@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/scene/scene_end.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -19,15 +20,26 @@ double endOf(const MediumInfo& medium) {
 
 Status checkSceneTime(const Scene& scene, double time) {
   constexpr double kRounding = 1e-9;
+  const auto rounding = [](double at) { return kRounding * (1 + std::abs(at)); };
   const MediumInfo* longest = nullptr;
+  double begin = 0;
   for (const auto& medium : scene.media()) {
     const MediumInfo& info = medium->info();
     if (info.endless)
       return {};
+    if (!info.times.empty())
+      begin = std::min(begin,
+                       info.loops ? -std::numeric_limits<double>::infinity() : info.times.front());
     if (info.times.size() > 1 && (!longest || endOf(info) > endOf(*longest)))
       longest = &info;
   }
-  if (!longest || time <= endOf(*longest) + kRounding * (1 + std::abs(endOf(*longest))))
+  if (longest && time < begin - rounding(begin)) {
+    return failFor("time", ErrorCode::kInvalidArgument,
+                   "{:g} s is before the begin: {} has {} frames from {:g} to {:g} s", time,
+                   longest->file, longest->times.size(), longest->times.front(),
+                   longest->times.back());
+  }
+  if (!longest || time <= endOf(*longest) + rounding(endOf(*longest)))
     return {};
   return failFor("time", ErrorCode::kInvalidArgument,
                  "{:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
