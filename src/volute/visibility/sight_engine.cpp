@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_set>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
@@ -204,6 +205,12 @@ Status SightEngine::dose(std::span<const std::int64_t> ids, std::span<const Vec3
                          std::span<double> out, std::span<double> worst) {
   VOLUTE_ASSERT(ids.size() == eyes.size() && out.size() == criteria_.size() * ids.size());
   VOLUTE_ASSERT(worst.empty() || worst.size() == out.size());
+  std::unordered_set<std::int64_t> known;
+  for (const std::int64_t id : ids) {
+    if (!known.insert(id).second)
+      return fail(ErrorCode::kInvalidArgument,
+                  "agent {} is among the ids twice; expected each agent once", id);
+  }
   std::vector<Exposure> air(eyes.size(), AirField::unknown());
   std::vector<AirField::Around> around(eyes.size());
   VOLUTE_TRY(air_.at(t, eyes, air, around));

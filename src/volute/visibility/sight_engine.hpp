@@ -36,7 +36,7 @@ class SightEngine {
   /// The doses of agents until `t` [s], by the trapezoidal rule from the previous time to this one;
   /// steps of a second or less are small enough for walking people. An agent absent at the previous
   /// call continues with its earlier dose, without the time in between.
-  /// @param ids  of the agents, each once.
+  /// @param ids  of the agents, each once; else kInvalidArgument.
   /// @param eyes  position of each [m].
   /// @param out  shape (criterion, agent): doses so far, or levels; NaN where the case does not
   /// say, for doses from then on.
