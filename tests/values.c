@@ -50,7 +50,8 @@ static double depth(volute_scene* scene, double y) {
   volute_sight sight;
   const volute_status status = volute_scene_look(scene, 0, line, 1, &sight);
   volute_scene_close(scene);
-  return status == VOLUTE_OK ? sight.depth : -status;
+  if (status == VOLUTE_OK && !sight.covered && !(isnan(sight.depth) && isinf(sight.high))) return -99;
+  return status != VOLUTE_OK ? -status : sight.covered ? sight.depth : sight.low; /* of a mesh, its part of the line */
 }
 
 int main(void) {
@@ -105,6 +106,29 @@ int main(void) {
   CHECK(volute_scene_open_mesh(&mesh, NULL, &scene) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "4, 5, 6 or 8"));
   mesh.cell_points = 4, mesh.point_count = 6;
   CHECK(volute_scene_open_mesh(&mesh, "{\"quantity\": \"extinction\"}", &scene) != VOLUTE_OK && strstr(volute_error(), "has vertex 6"));
+
+  /* Doubles far from 0 keep their error; places of voxels. */
+  double far[kSide * kSide * kSide], back[kSide * kSide * kSide], matrix[12];
+  for (size_t i = 0; i < sizeof far / sizeof *far; ++i) far[i] = 2e6 + 0.01 * (double)i;
+  const volute_array doubles = {.size = sizeof doubles, .data = far, .type = "<f8"};
+  CHECK(volute_compress_array("far.volute", &info, NULL, &doubles, VOLUTE_MAX_ERROR, 1e-3) == VOLUTE_OK);
+  volute_file* file = NULL;
+  CHECK(volute_file_open_grid("far.volute", "", &file) == VOLUTE_OK);
+  CHECK(volute_file_read_double(file, 0, NULL, NULL, back, sizeof back / sizeof *back) == VOLUTE_OK);
+  for (size_t i = 0; i < sizeof far / sizeof *far; ++i) CHECK(fabs(back[i] - far[i]) <= 1e-3);
+  int32_t along_axes = 0;
+  CHECK(volute_file_matrix(file, 0, matrix, &along_axes) == VOLUTE_OK && along_axes == 1);
+  CHECK(fabs(matrix[0] - 1.0 / kSide) < 1e-12 && fabs(matrix[3] - 0.5 / kSide) < 1e-12 && matrix[1] == 0);
+  CHECK(volute_file_matrix(file, 1, matrix, NULL) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "no frame 1"));
+  volute_file_close(file);
+
+  /* What is no array, and no place. */
+  const double beyond[6] = {-1e300, 0.5, 0.5, 1e300, 0.5, 0.5};
+  volute_sight sight;
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"extinction\": 2}", &scene) == VOLUTE_OK);
+  CHECK(volute_scene_look(scene, 0, beyond, SIZE_MAX / 3, &sight) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "a count of"));
+  CHECK(volute_scene_look(scene, 0, beyond, 1, &sight) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "beyond 1e12 m"));
+  volute_scene_close(scene);
 
   CHECK(volute_compress_array("ones.volute", &info, NULL, &array, VOLUTE_MAX_ERROR, 1e-6) == VOLUTE_OK);
   CHECK(volute_scene_open("ones.volute", &scene) == VOLUTE_INVALID_ARGUMENT);

@@ -57,9 +57,12 @@ typedef struct volute_info {
   int32_t z, y, x;   /* voxels; 0 of a file in which no grid has values */
   int32_t channels;  /* 1, or 3 for linear RGB */
   int32_t trilinear; /* 0: values are constant in voxels; 1: interpolated between voxel centres; 2:
-                        cubic B-splines there */
-  double bounds_min[3], bounds_max[3]; /* x y z of the outer voxel faces [m] */
-  double max_error;                    /* bound of the absolute error to the original */
+                        coefficients of cubic B-splines there, which do not run through them (the
+                        member "basis": "cubic" of a scene's entry interpolates values instead) */
+  double bounds_min[3],
+      bounds_max[3]; /* x y z of the outer voxel faces [m]; of a file whose voxels
+                        do not lie along the axes a box around them in all frames */
+  double max_error;  /* bound of the absolute error to the original */
 } volute_info;
 
 /* A .volute file that is open for reading. */
@@ -82,6 +85,12 @@ const char* volute_file_grid_name(const volute_file* file, size_t grid);
 int32_t volute_file_grid_is_empty(const volute_file* file, size_t grid);
 
 volute_status volute_file_info(const volute_file* file, volute_info* info);
+
+/* Where voxels lie in a frame: three rows of four numbers, from (x, y, z), counted in voxels, to
+ * the centre of a voxel [m]. `along_axes`, unless NULL, is 0 where voxels are turned, sheared or
+ * mirrored, or move by parts of a voxel: volute_info has no more than a box around them then. */
+volute_status volute_file_matrix(const volute_file* file, int32_t frame, double matrix[12],
+                                 int32_t* along_axes);
 
 /* Name of the values ("density") and their unit ("1/m"; "" if unknown); valid as long as `file`.
  * "" for NULL. */
@@ -231,8 +240,8 @@ typedef struct volute_view {
   int32_t samples;                   /* rays per pixel at edges; 0: 8 */
   volute_progress_function progress; /* or NULL */
   void* user;                        /* for it */
-  double shutter; /* averages light over this share of the time to the next frame: 0.5 is 180
-                     degrees. Volumes move then where members have "interpolate": "auto" */
+  double shutter;       /* averages light over this share of the time to the next frame: 0.5 is 180
+                           degrees. Volumes move then where members have "interpolate": "auto" */
   const char* renderer; /* "cpu", or "gl": OpenGL 4.5; NULL: cpu */
   const char* display;  /* instead of a tone: "aces", or "ocio", "ocio:VIEW" and "ocio:DISPLAY/VIEW"
                            of the configuration that the environment's OCIO names; NULL: none */
@@ -248,7 +257,8 @@ volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* vi
 volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* view, float* rgb,
                                    size_t count);
 
-/* Which pictures a film has. Zeros stand for all frames, at their own pace, from where one looks. */
+/* Which pictures a film has. Zeros stand for all frames, at their own pace, from where one looks.
+ */
 typedef struct volute_film {
   size_t size;        /* set it to sizeof(volute_film) */
   int32_t first, end; /* numbers of frames, first <= frame < end; both 0: all */
@@ -257,8 +267,8 @@ typedef struct volute_film {
 } volute_film;
 
 /* Writes a film (.mp4, .webm) or numbered pictures ("fire_%04d.png") as `volute render` does, with
- * one exposure for all. `view` as above, whose time must be NULL; `film` may be NULL. A film that is
- * stopped leaves no file, numbered pictures leave those that were whole. */
+ * one exposure for all. `view` as above, whose time must be NULL; `film` may be NULL. A film that
+ * is stopped leaves no file, numbered pictures leave those that were whole. */
 volute_status volute_drawing_film(volute_drawing* drawing, const volute_view* view,
                                   const volute_film* film, const char* path);
 
@@ -273,8 +283,9 @@ volute_status volute_medium_register(const volute_medium_kind* kind);
 
 /* The result for a straight line from an eye to a target. */
 typedef struct volute_sight {
-  double depth;     /* integral of the extinction, natural logarithm */
-  double low, high; /* bounds of it, given the rounding of the data */
+  double depth;     /* integral of the extinction, natural logarithm; NaN if not covered */
+  double low, high; /* bounds of it, given the rounding of the data; if not covered that of the
+                       known part, and infinity */
   int32_t covered;  /* 1: the medium is known along the whole line */
   int32_t blocked;  /* 1: an obstruction is in the way */
 } volute_sight;

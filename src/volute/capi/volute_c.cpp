@@ -25,6 +25,7 @@
 #include "volute/gl/gl_scene_renderer.hpp"
 #endif
 #include "volute/grid/array_source.hpp"
+#include "volute/grid/resample.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/scene/kinds.hpp"
@@ -85,6 +86,38 @@ volute_status statusOf(ErrorCode code) {
   return VOLUTE_INTERNAL;
 }
 
+/// How C has a setting; empty: it has none.
+std::string settingText(const std::string& setting, const std::string& value) {
+  static constexpr std::string_view kMembers[] = {
+      "field", "bounds",   "preset", "velocity_unit", "up",  "extinction",
+      "fire",  "quantity", "unit",   "air_fields",    "cut", "mass_extinction"};
+  static constexpr std::pair<std::string_view, std::string_view> kStructures[] = {
+      {"renderer", "view.renderer"},
+      {"size", "view.width and view.height"},
+      {"exposure", "view.exposure"},
+      {"samples", "view.samples"},
+      {"shutter", "view.shutter"},
+      {"tone", "view.tone"},
+      {"time", "view.time"},
+      {"frames", "film.first and film.end"},
+      {"speed", "film.speed"},
+      {"orbit", "film.orbit"},
+      {"voxel_size", "voxel_size"},
+      {"rms", "rms"},
+      {"output", "path"},
+      {"height", "view.height"}};
+  if (std::ranges::find(kMembers, setting) != std::end(kMembers)) {
+    return fmt::format("\"{}\"{}{} in members", setting, value.empty() ? "" : ": ",
+                       value.empty() ? "" : '"' + value + '"');
+  }
+  const auto found = std::ranges::find(kStructures, setting,
+                                       &std::pair<std::string_view, std::string_view>::first);
+  if (found == std::end(kStructures))
+    return "";
+  return value.empty() ? std::string(found->second)
+                       : fmt::format("{} \"{}\"", found->second, value);
+}
+
 /// Runs `call`, which returns a Status; nothing that it throws gets any further.
 template <class Call>
 volute_status guarded(Call&& call) noexcept {
@@ -92,9 +125,7 @@ volute_status guarded(Call&& call) noexcept {
     const Status done = call();
     if (done)
       return VOLUTE_OK;
-    lastError = fullText(done.error(), [](const std::string& setting, const std::string& value) {
-      return value.empty() ? setting : fmt::format("{} {}", setting, value);
-    });
+    lastError = fullText(done.error(), settingText);
     return statusOf(done.error().code);
   } catch (const std::bad_alloc&) {
     lastError.clear();  // needs no memory
@@ -164,6 +195,13 @@ Status readRegion(const VoluteReader& reader, std::int32_t frame, const std::int
     std::ranges::transform(differences, values,
                            [=](float value) { return static_cast<Number>(offset + value); });
   return {};
+}
+
+/// From the space of the grid that is read to the world, in each frame; empty: it lies along the
+/// axes.
+std::vector<GridMatrix> placesOf(const VoluteReader& reader) {
+  const auto& description = reader.grid().description;
+  return description ? description->places() : std::vector<GridMatrix>();
 }
 
 /// Frames that the caller's function fills.
@@ -461,11 +499,28 @@ Result<std::shared_ptr<const SightSnapshot>> snapshotOf(volute_scene& scene, std
   return scene.snapshot;
 }
 
+/// More is no array's: the size of a negative number, say.
+Status checkCount(const char* function, std::size_t count) {
+  constexpr std::size_t kMax = std::size_t{1} << 48;
+  if (count > kMax)
+    return fail(ErrorCode::kInvalidArgument, "{}: a count of {}; expected at most {}", function,
+                count, kMax);
+  return {};
+}
+
+/// Whether places are finite and near enough for numbers to have room for a centimetre.
+bool isPlace(std::span<const double> place) {
+  constexpr double kFarthest = 1e12;  // [m]
+  return std::ranges::all_of(place, [](double at) { return std::abs(at) <= kFarthest; });
+}
+
 Status look(const SightSnapshot& snapshot, const double* lines, std::size_t count,
             volute_sight* sights) {
-  for (std::size_t i = 0; i < 6 * count; ++i) {
-    if (!std::isfinite(lines[i]))
-      return fail(ErrorCode::kInvalidArgument, "volute_scene_look: line {} is not finite", i / 6);
+  VOLUTE_TRY(checkCount("volute_scene_look", count));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!isPlace({lines + 6 * i, 6}))
+      return fail(ErrorCode::kInvalidArgument,
+                  "volute_scene_look: line {} is not finite, or beyond 1e12 m", i);
   }
   parallelRanges(count, 64, [&](std::size_t begin, std::size_t end) {
     std::vector<SightLine> asked(end - begin);
@@ -477,7 +532,8 @@ Status look(const SightSnapshot& snapshot, const double* lines, std::size_t coun
     snapshot.look(asked, seen);
     for (std::size_t i = begin; i < end; ++i) {
       const Sight& sight = seen[i - begin];
-      sights[i] = {sight.depth, sight.low, sight.high, sight.covered, sight.blocked};
+      const Sighting known = judged({.covered = sight.covered}, sight.depth, sight.low, sight.high);
+      sights[i] = {known.depth, known.low, known.high, sight.covered, sight.blocked};
     }
   });
   return {};
@@ -485,12 +541,13 @@ Status look(const SightSnapshot& snapshot, const double* lines, std::size_t coun
 
 /// Eyes of agents, which must be finite.
 Result<std::vector<Vec3>> eyesOf(const double* eyes, std::size_t agents, const char* function) {
+  VOLUTE_TRY(checkCount(function, agents));
   std::vector<Vec3> places(agents);
   for (std::size_t i = 0; i < agents; ++i) {
     places[i] = Vec3(eyes[3 * i], eyes[3 * i + 1], eyes[3 * i + 2]);
-    if (!places[i].allFinite())
-      return fail(ErrorCode::kInvalidArgument, "{}: the place of agent {} is not finite", function,
-                  i);
+    if (!isPlace({eyes + 3 * i, 3}))
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: the place of agent {} is not finite, or beyond 1e12 m", function, i);
   }
   return places;
 }
@@ -572,11 +629,32 @@ volute_status volute_file_info(const volute_file* file, volute_info* info) {
     info->z = empty ? 0 : from.z, info->y = empty ? 0 : from.y, info->x = empty ? 0 : from.x;
     info->channels = from.channels;
     info->trilinear = static_cast<std::int32_t>(from.basis);
+    const auto places = volute::placesOf(file->reader);
+    const volute::Box3 bounds =
+        places.empty() ? from.bounds : volute::aroundPlaces(from.bounds, places);
     for (int axis = 0; axis < 3; ++axis) {
-      info->bounds_min[axis] = from.bounds.min[axis];
-      info->bounds_max[axis] = from.bounds.max[axis];
+      info->bounds_min[axis] = bounds.min[axis];
+      info->bounds_max[axis] = bounds.max[axis];
     }
     info->max_error = file->reader.header().reachedMaxError;
+    return {};
+  });
+}
+
+volute_status volute_file_matrix(const volute_file* file, int32_t frame, double matrix[12],
+                                 int32_t* along_axes) {
+  return guarded([&]() -> Status {
+    VOLUTE_TRY(volute::given("volute_file_matrix", file, matrix));
+    const volute::VolumeInfo& info = file->reader.info();
+    if (frame < 0 || frame >= info.frames) {
+      return volute::fail(volute::ErrorCode::kInvalidArgument,
+                          "volute_file_matrix: there is no frame {}; there are {}", frame,
+                          info.frames);
+    }
+    const auto places = volute::placesOf(file->reader);
+    std::ranges::copy(volute::indexToWorld(info, places, static_cast<std::size_t>(frame)), matrix);
+    if (along_axes)
+      *along_axes = places.empty();
     return {};
   });
 }
@@ -643,6 +721,7 @@ volute_status volute_compress_array(const char* path, const volute_info* info, c
     VOLUTE_ASSIGN(auto volume, volute::volumeOf(kName, *info, times));
     VOLUTE_ASSIGN(auto numbers, volute::numbersOf(kName, volume, *array));
     volute::ArraySource source(std::move(volume), std::move(numbers));
+    VOLUTE_TRY(volute::settleOffset(source));
     return volute::compressFrames(kName, path, source, target, value);
   });
 }
@@ -848,6 +927,7 @@ volute_status openMesh(const char* function, const volute_mesh* mesh, const char
 Result<std::vector<LineMeasurement>> linesOf(const char* function, const volute_lines& given) {
   VOLUTE_TRY(checkSize(function, "lines", given));
   VOLUTE_TRY(volute::given(function, given.ends, given.depths));
+  VOLUTE_TRY(checkCount(function, given.count));
   std::vector<LineMeasurement> lines;
   for (std::size_t i = 0; i < given.count; ++i) {
     const double* ends = given.ends + 6 * i;
