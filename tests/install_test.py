@@ -279,7 +279,8 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         environment = os.environ | {"PKG_CONFIG_PATH": str(next(PREFIX.rglob("volute.pc")).parent)}
         flags = self.works("pkg-config", "--cflags", "--libs", "volute", env=environment).split()
         launcher = ["ccache"] if shutil.which("ccache") else []
-        self.works(*launcher, "c++", "-c", SOURCE / "examples/02_read_and_write.cpp", "-o", "by_pc.o",
+        self.assertFalse([flag for flag in flags if flag.startswith("-std")])  # the program's own choice
+        self.works(*launcher, "c++", "-std=c++20", "-c", SOURCE / "examples/02_read_and_write.cpp", "-o", "by_pc.o",
                    *(flag for flag in flags if not flag.startswith("-l")))
         for name in ["volute", "volute-core", "volute-static"]:
             flags = self.works("pkg-config", "--libs", name, env=environment).split()
@@ -293,7 +294,7 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         environment = os.environ | {"PKG_CONFIG_PATH": str(next(PREFIX.rglob("volute.pc")).parent), "LD_LIBRARY_PATH": str(library)}
         flags = self.works("pkg-config", "--cflags", "--libs", "volute", env=environment).split()
         (self.work / "draw.cpp").write_text(PICTURE)
-        self.works("c++", "draw.cpp", *flags, "-o", "draw")
+        self.works("c++", "-std=c++20", "draw.cpp", *flags, "-o", "draw")
         command = PREFIX / "bin/volute"
         self.works(command, "extract", "cloud.volute", "-o", "values.npy")
         self.assertIn("0 x 48 pixels; expected 1 to 32768", self.works("./draw", "values.npy", "mine.png", "memory.png", env=environment))
@@ -316,7 +317,7 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         said = {}
         for compiler, more, runs in ways:
             if shutil.which(compiler):
-                self.works(compiler, *flags, *more, "layout.cpp", *libraries, "-o", "layout")
+                self.works(compiler, "-std=c++20", *flags, *more, "layout.cpp", *libraries, "-o", "layout")
                 if runs:
                     said[compiler, *more] = self.works("./layout", env=environment)
         self.assertEqual(set(said.values()), {said["g++",]}, said)
