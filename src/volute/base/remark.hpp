@@ -34,8 +34,8 @@ struct Remark {
   template <std::convertible_to<std::string_view> Text>
   Remark(const Text& text) : sentence(std::string_view(text)) {}
 
-  Remark(RemarkCode code, std::string sentence, Hints hints = {})
-      : code(code), sentence(std::move(sentence)), hints(std::move(hints)) {}
+  Remark(RemarkCode kind, std::string text, Hints advice = {})
+      : code(kind), sentence(std::move(text)), hints(std::move(advice)) {}
 
   RemarkCode code = RemarkCode::kNote;
   std::string sentence;
