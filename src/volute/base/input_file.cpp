@@ -79,7 +79,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
           path.string());
     }
     const ErrorCode code = reason == ENOENT ? ErrorCode::kNotFound : ErrorCode::kIo;
-    return fail(code, "{}: cannot open: {}", path.string(), std::strerror(reason));
+    return failIn(path.string(), "", code, "cannot open: {}", std::strerror(reason));
   }
   if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);

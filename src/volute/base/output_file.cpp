@@ -92,8 +92,8 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target,
                   counter++, place.extension().string().substr(0, kLongestExtension)));
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    return fail(ErrorCode::kIo, "{}: cannot write into its folder: {}", shown,
-                std::strerror(errno));
+    return failIn(shown, "", ErrorCode::kIo, "cannot write into its folder: {}",
+                  std::strerror(errno));
   }
   if (replaces) {
     // Another owner is root's to give, and a change of owner takes bits of the mode away.

@@ -134,9 +134,12 @@ Status EncodedUnits::open(const std::filesystem::path& target, const std::string
     folder = std::filesystem::temp_directory_path();
   for (std::size_t tier = 0; tier < kWaveletTiers.size(); ++tier) {
     auto spool = Spool::create(folder);
-    if (!spool)
-      return fail(spool.error().code, spool.error().hints, "{}: cannot be written: {}", name,
-                  spool.error().message);
+    if (!spool) {
+      auto failed =
+          failIn(name, "", spool.error().code, "cannot be written: {}", spool.error().message);
+      failed.value().hints = spool.error().hints;
+      return failed;
+    }
     spools_.push_back(std::move(*spool));
   }
   return {};
