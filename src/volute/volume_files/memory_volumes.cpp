@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/volume_files/memory_volumes.hpp"
 
+#include <algorithm>
 #include <filesystem>
 
 namespace volute {
@@ -51,6 +52,17 @@ bool MemoryVolumes::isName(const std::string& file) {
 void MemoryVolumes::add(const MemoryVolumes& other) {
   for (const auto& [name, volume] : other.volumes_) volumes_.insert_or_assign(name, volume);
   for (const auto& [name, mesh] : other.meshes_) meshes_.insert_or_assign(name, mesh);
+}
+
+void MemoryVolumes::keep(std::span<const std::string> names) {
+  const auto gone = [&](const std::string& whole) {
+    return std::ranges::none_of(names, [&](const std::string& name) {
+      const std::string kept = std::string(kPrefix) + name;
+      return whole == kept || whole == kept + ".vtu";
+    });
+  };
+  std::erase_if(volumes_, [&](const auto& one) { return gone(one.first); });
+  std::erase_if(meshes_, [&](const auto& one) { return gone(one.first); });
 }
 
 std::unique_ptr<FrameSource> MemoryVolumes::open(const std::string& file) const {

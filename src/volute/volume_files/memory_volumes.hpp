@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -38,6 +39,9 @@ class MemoryVolumes {
 
   /// All of `other`.
   void add(const MemoryVolumes& other);
+
+  /// Lets go of all but those of these names, which are without kPrefix.
+  void keep(std::span<const std::string> names);
 
   /// The volume that a scene's file name means, its folder aside; null: none.
   std::unique_ptr<FrameSource> open(const std::string& file) const;
