@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """What callers give: numbers, and volumes as arrays of any kind."""
+import datetime
 import logging
 import os
 import tempfile
@@ -8,7 +9,7 @@ import tempfile
 import numpy as np
 
 from . import _core, _vtk_values
-from ._errors import TooLarge
+from ._errors import InvalidArgument, TooLarge
 from ._volume import Frames, _bytes
 
 _log = logging.getLogger("volute")
@@ -21,11 +22,20 @@ _AXES = {"t": ("t", "time"), "z": ("z", "height", "altitude"), "y": ("y",), "x":
 def number(what, value, hint=""):
     """A real number, of Python or NumPy."""
     try:
-        if isinstance(value, (str, bytes, bool, np.bool_)):
+        if isinstance(value, (str, bytes, bool, np.bool_, np.timedelta64, np.datetime64)) or np.iscomplexobj(value):
             raise TypeError
         return float(value)
     except (TypeError, ValueError):
         raise TypeError(f"{what}={value!r}: expected a number{hint}") from None
+
+
+def utf8(what, text):
+    """A text that a file can hold."""
+    try:
+        str(text).encode()
+    except UnicodeEncodeError:
+        raise ValueError(f"{what}={text!r}: expected a text that UTF-8 can hold") from None
+    return str(text)
 
 
 def whole(what, value):
@@ -40,9 +50,42 @@ def corners(bounds):
     if bounds is None:
         return None
     try:
-        return np.asarray(unmasked(bounds, "bounds"), float).reshape(2, 3).tolist()
-    except (TypeError, ValueError):
-        raise ValueError(f"bounds={bounds!r}: expected ((x0, y0, z0), (x1, y1, z1))") from None
+        values = unmasked(bounds, "bounds")
+    except ValueError:  # ragged
+        values = np.empty(0)
+    if values.shape != (2, 3) or values.dtype.kind not in "iuf":
+        raise ValueError(f"bounds={bounds!r}: expected numbers in the order ((x0, y0, z0), (x1, y1, z1)), two corners")
+    low, high = values = values.astype(float)
+    if not (np.isfinite(values).all() and (low < high).all()):
+        raise InvalidArgument(f"bounds={values.tolist()}: expected finite corners, the first below the second on every axis")
+    return values.tolist()
+
+
+def seconds(what, values):
+    """Times [s], shape (n,), of numbers or of time differences."""
+    values = np.atleast_1d(unmasked(values, what))
+    if values.dtype.kind == "O" and all(isinstance(one, datetime.timedelta) for one in values.flat):
+        values = values.astype("m8[us]")
+    kind, unit = values.dtype.kind, np.datetime_data(values.dtype)[0] if values.dtype.kind in "mM" else ""
+    if kind == "M":
+        raise TypeError(f"{what}: dates ({values.dtype}); expected seconds, or differences of dates: {what} - {what}[0]")
+    if values.ndim != 1 or kind not in "iufm" or unit in ("generic", "Y", "M"):
+        raise TypeError(f"{what}: values of type {values.dtype}, shape {values.shape}; expected a list of numbers of seconds")
+    if kind == "m":
+        if np.isnat(values).any():
+            raise ValueError(f"{what}: {int(np.isnat(values).sum())} of {len(values)} are no times (NaT)")
+        return values / np.timedelta64(1, "s")
+    return values.astype(float)
+
+
+def _frame_numbers(what, values):
+    """Whole numbers, shape (n,)."""
+    values = np.atleast_1d(unmasked(values, what))
+    if values.ndim != 1 or values.dtype.kind not in "iuf" or not (values == np.round(values)).all():
+        raise TypeError(f"{what}={values.tolist()}: expected whole numbers")
+    if (abs(values) >= 1 << 31).any():
+        raise ValueError(f"{what}: {max(values, key=abs)} is beyond 32 bits; expected numbers up to {(1 << 31) - 1}")
+    return values.astype(np.int64)
 
 
 def unmasked(values, what):
@@ -292,7 +335,7 @@ class Function:
         if np.ndim(shape) != 1 or len(shape) != 3:
             raise ValueError(f"shape={shape!r}: expected (z, y, x)")
         self.value = value
-        self.times = [number("times", time) for time in np.atleast_1d(unmasked(times, "times"))]
+        self.times = seconds("times", times).tolist()
         #: (t, z, y, x), and the channels if there are three
         self.shape = five_axes((len(self.times), *(whole("shape", side) for side in shape), whole("channels", channels)))
         self.bounds, self.name, self.unit = corners(bounds), name, unit
@@ -302,16 +345,26 @@ class Function:
     def __getitem__(self, index):
         """The frame of a number, shape (z, y, x[, 3])."""
         sides, low, high = self.shape[1:4], *map(np.asarray, self.bounds)
-        count, values = int(np.prod(sides)), np.empty((int(np.prod(sides)), int(np.prod(self.shape[4:]))), np.float32)
+        count, values = int(np.prod(sides)), []
         for begin in range(0, count, 1 << 15):
             end = min(begin + (1 << 15), count)
             places = [low[2 - axis] + (number_of + 0.5) * (high - low)[2 - axis] / sides[axis]
                       for axis, number_of in enumerate(np.unravel_index(np.arange(begin, end), sides))]
-            values[begin:end] = self._values(*places[::-1], self.times[index]).reshape(end - begin, -1)
-        return values.reshape(self.shape[1:])
+            values.append(self._values(*places[::-1], self.times[index]))
+        return np.concatenate(values).reshape(self.shape[1:])
+
+    def __len__(self):
+        return self.shape[0]
+
+    def __repr__(self):
+        times = f"{self.times[0]:g} to {self.times[-1]:g} s" if len(self) > 1 else f"{self.times[0]:g} s"
+        z, y, x = self.shape[1:4]
+        return f"<volute.Function {getattr(self.value, '__name__', 'value')}: {len(self)} frame{'s' * (len(self) != 1)} of {x} x {y} x {z} voxels, {times}>"
 
     def _values(self, x, y, z, t):
-        values, _ = reals(self.value(x, y, z, t), "the function's values")
+        """As the function gives them: compress() counts how far they are rounded."""
+        values = np.asarray(self.value(x, y, z, t))
+        reals(values, "the function's values")
         expected = x.shape + self.shape[4:]
         if values.shape != expected:
             raise ValueError(f"the function returned shape {values.shape}; expected {expected}")
@@ -345,6 +398,10 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             raise ValueError(f"{values.path}: '{values.name}' is turned, sheared or mirrored, or moves by parts of a voxel, which an array cannot say; "
                              "volute.resample() lays it along the axes, or give bounds")
         said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis", "up")}
+        if values.frame_numbers.dtype.kind == "f" and given.get("frame_numbers") is None:
+            said["decimals"] = next(places for places in range(7)
+                                    if np.allclose(values.frame_numbers * 10 ** places, np.round(values.frame_numbers * 10 ** places), 0, 1e-6) or places == 6)
+            said["frame_numbers"] = np.round(values.frame_numbers * 10 ** said["decimals"])
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
     elif isinstance(values, Function) and lazily:
         said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}
@@ -379,14 +436,14 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             frames = _Masked(frames, mask.reshape(shape), refuses)
             said["masked"], said["doubles"] = True, frames.kind is np.float64
     said.update((key, value) for key, value in given.items() if value is not None)
-    for key, convert in (("times", float), ("frame_numbers", int)):
+    for key, convert in (("times", seconds), ("frame_numbers", _frame_numbers)):
         if key not in said:
             continue
-        said[key] = [convert(one) for one in unmasked(said[key], key)]
+        said[key] = convert(key, said[key]).tolist()
         if len(said[key]) != shape[0]:
             raise ValueError(f"{key}: {len(said[key])} of them for {shape[0]} frames")
     for key in ("name", "unit"):
-        said[key] = str(said.get(key) or "")
+        said[key] = utf8(key, said.get(key) or "")
     said["bounds"] = corners(said.get("bounds"))
     if said.get("basis") not in (None, "box", "trilinear", "cubic"):
         raise ValueError(f"basis={said['basis']!r}: expected 'box', 'trilinear' or 'cubic'")

@@ -3,7 +3,7 @@
 """Optical depths that were measured along straight lines."""
 import numpy as np
 
-from ._arrays import unmasked
+from ._arrays import seconds, unmasked
 
 
 def _numbers(what, values, shape):
@@ -29,7 +29,7 @@ class Lines:
         self.begin, self.end = _numbers("begin", begin, (count, 3)), _numbers("end", end, (count, 3))
         self.depth = _numbers("depth", depth, (count,))
         self.sigma = None if sigma is None else _numbers("sigma", np.broadcast_to(np.asarray(unmasked(sigma, "sigma"), float), count), (count,))
-        time = _numbers("time", np.zeros(count) if time is None else time, (count,))
+        time = _numbers("time", np.zeros(count) if time is None else seconds("time", time), (count,))
         #: [s] of each frame, ascending; and each line's frame
         self.times, self.frame = np.unique(time, return_inverse=True)
         flat = np.flatnonzero((self.begin == self.end).all(axis=1))

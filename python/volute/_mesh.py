@@ -4,7 +4,7 @@
 import numpy as np
 
 from . import _vtk_values
-from ._arrays import number, reals, unmasked
+from ._arrays import reals, seconds, unmasked
 
 #: corners of a cell, and its number in C++
 _CELLS = {"tetra": (4, 0), "pyramid": (5, 1), "wedge": (6, 2), "hexahedron": (8, 3)}
@@ -54,7 +54,7 @@ class Mesh:
             raise ValueError("there are no cells")
         self._cells = points, np.concatenate(corners), np.concatenate(([0], np.cumsum(np.concatenate(counts)))), np.concatenate(shapes)
         self.shape = len(points), len(self._cells[3])  #: points, cells
-        self.times = np.zeros(1) if times is None else np.array([number("times", time) for time in np.atleast_1d(unmasked(times, "times"))])
+        self.times = np.zeros(1) if times is None else seconds("times", times)
         if not (np.diff(self.times) > 0).all():
             raise ValueError("times: expected ascending ones")
         self._fields = [*self._checked(fields or {}, False), *self._checked(cell_fields or {}, True)]
