@@ -62,6 +62,12 @@ inline std::string argumentText(const std::string& setting, const std::string& v
   return value.empty() ? setting : fmt::format("{}=\"{}\"", setting, value);
 }
 
+/// A text that may have a file's name in it, whose bytes need not be UTF-8.
+inline py::object pathText(const std::string& text) {
+  return py::reinterpret_steal<py::object>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "surrogateescape"));
+}
+
 inline void translateFailures() {
   py::register_local_exception_translator([](std::exception_ptr thrown) {
     try {
@@ -70,12 +76,26 @@ inline void translateFailures() {
     } catch (const Failure& failure) {
       const Error& error = failure.error;
       const py::object type = py::module_::import("volute._errors").attr(nameOf(error.code));
-      const py::object made = type(fullText(error, argumentText));
-      made.attr("path") = error.path.empty() ? py::object(py::none()) : py::str(error.path);
-      made.attr("member") = error.member.empty() ? py::object(py::none()) : py::str(error.member);
+      const std::string hint = adviceText(error.hints, argumentText);
+      const auto text = [](const std::string& said) {
+        return said.empty() ? py::object(py::none()) : pathText(said);
+      };
+      const py::object made = type(pathText(fullText(error, argumentText)));
+      made.attr("code") = std::string(errorName(error.code));
+      made.attr("path") = text(error.path);
+      made.attr("member") = text(error.member);
+      made.attr("hint") = text(hint);
       PyErr_SetObject(type.ptr(), made.ptr());
     }
   });
+}
+
+/// What volute._progress.Listener takes of a remark. With the interpreter's lock.
+inline void tell(const py::object& listener, const Remark& remark) {
+  py::list hints;
+  for (const Hint& hint : remark.hints) hints.append(adviceText({hint}, argumentText));
+  listener.attr("remark")(fullText(remark, argumentText), std::string(remarkName(remark.code)),
+                          remark.file, remark.place, hints);
 }
 
 /// The interpreter's lock for something of the caller's.
@@ -107,7 +127,7 @@ class PythonProgress final : public Progress {
 
   void remark(const Remark& remark) override {
     if (!listener_.is_none())
-      guarded([&] { listener_.attr("remark")(py::str(fullText(remark, argumentText))); });
+      guarded([&] { tell(listener_, remark); });
   }
 
   bool cancelled() const override {
@@ -307,6 +327,8 @@ inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
     info.times = said["times"].cast<std::vector<double>>();
   if (given("frame_numbers"))
     info.frameNumbers = said["frame_numbers"].cast<std::vector<int>>();
+  if (given("decimals"))
+    info.frameScale.decimals = said["decimals"].cast<int>();
   info.fillDefaults();
   if (given("bounds"))
     info.bounds = boxOf(said["bounds"].cast<Bounds>());

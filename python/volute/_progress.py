@@ -4,11 +4,13 @@
 import logging
 
 _log = logging.getLogger("volute")
+_WARNINGS = ("doubtful", "changed", "damaged", "left-out")
 
 
 class Listener:
     """Hears a long call. `progress` is None, a function (stage, done, total) or True: a bar by tqdm where that is installed.
-    Remarks go to the logger "volute"."""
+    Remarks go to the logger "volute", with `code`, `file`, `place` and `hints`: as warnings where the result may not be what was
+    expected."""
 
     def __init__(self, progress=None):
         if progress is not None and progress is not True and progress is not False and not callable(progress):
@@ -34,8 +36,9 @@ class Listener:
                 self._stage, self._bar = stage, self._bars(total=total or None, desc=stage, leave=False)
             self._bar.update(done - self._bar.n)
 
-    def remark(self, text):
-        _log.info("%s", text)
+    def remark(self, text, code="note", file="", place="", hints=()):
+        level = logging.WARNING if code in _WARNINGS else logging.INFO
+        _log.log(level, "%s", text, extra={"code": code, "file": file, "place": place, "hints": list(hints)})
 
     def _log_tenths(self, stage, done, total):
         tenth = int(10 * done / total) if total else 0
