@@ -368,8 +368,11 @@ class File {
     return shown(values);
   }
 
-  std::string verify(const py::object& listener) const {
-    return run(listener, [&](Progress& progress) { return reader_.verify(progress); }).firstFault;
+  /// (the first fault, how many segments there are, and how many are intact)
+  py::tuple verify(const py::object& listener) const {
+    const Integrity found =
+        run(listener, [&](Progress& progress) { return reader_.verify(progress); });
+    return py::make_tuple(pathText(found.firstFault), found.segments, found.intactSegments);
   }
 
   const VoluteReader& reader() const { return reader_; }

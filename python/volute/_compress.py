@@ -3,15 +3,18 @@
 """Writing .volute files."""
 import builtins
 import dataclasses
+import logging
 import os
 import tempfile
 
 import numpy as np
 
 from . import _core
-from ._arrays import number, volume, whole
+from ._arrays import corners, number, utf8, volume, whole
 from ._progress import Listener
-from ._volume import _bytes, Frames, open as _open
+from ._volume import _bytes, Frames, file_name, open as _open, size_of
+
+_log = logging.getLogger("volute")
 
 
 @dataclasses.dataclass
@@ -61,7 +64,9 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     bounds: ((x0, y0, z0), (x1, y1, z1)), the outer voxel faces [m]; default: cubic voxels, the longest side 1 m
     times: when each frame is shown [s], ascending; default: 25 per second from 0
     frame_numbers: number of each frame, ascending; default: 0, 1, ..
-    name, unit: of the values ("density", "1/m"). basis: "box" (constant in voxels), "trilinear" or "cubic" (B-splines).
+    name, unit: of the values ("density", "1/m"). basis: what values mean between centres of voxels: "box" (constant in voxels), "trilinear"
+        (interpolated) or "cubic" (the values are coefficients of B-splines of degree 3 there, which do not run through them but are
+        smoother; basis="cubic" of a Scene or Sight interpolates values instead).
         Defaults are taken from `frames` if that is a Volume, an FDS case or a DataArray.
     wavelet: auto, haar, cdf53 or cdf97. effort: 1, the fastest, to 9, the smallest files. fast: effort 2. provenance: a text stored in the file.
     access: what is read most: "frame", single frames, decoded in a quarter of the time, from a file that may be larger; "film", all frames in order.
@@ -70,7 +75,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     progress: a function (stage, done, total), or True for a bar. An exception raised in it, or Ctrl-C, stops the work; no file is left behind.
 
     The file has the same bytes as from `volute compress`, except for the provenance, on any number of cores."""
-    path = os.fspath(path)
+    path = file_name(path)
     if not path.endswith(".volute"):
         raise ValueError(f"'{path}' does not end in .volute")
     targets = {key: value for key, value in dict(rms=rms, psnr=psnr, ratio=ratio, size=size, max_error=max_error).items()
@@ -101,10 +106,12 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)
     with Listener(progress) as listener:
         source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".", not_finite=not_finite)
+        if basis == "cubic" and not isinstance(frames, Frames):
+            _log.info("%s: the values are kept as coefficients of cubic B-splines, which smooth them", path)
         doubles = isinstance(frames, Frames) and frames.dtype == np.float64 or said.get("doubles", False)
         holes = not_finite == "inactive" or said.get("masked", False)
-        report = _core.compress(source, shape, path, target, value, said, rounding, doubles, holes, wavelet, effort, access or "", str(provenance),
-                                whole("max_memory", max_memory), listener)
+        report = _core.compress(source, shape, path, target, value, said, rounding, doubles, holes, wavelet, effort, access or "", utf8("provenance", provenance),
+                                size_of("max_memory", max_memory), listener)
     return Compressed(path, **report)
 
 
@@ -126,7 +133,7 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
         if min(voxel_size) <= 0:
             raise ValueError("voxel_size: expected numbers above 0")
     if bounds is not None:
-        bounds = numbers("bounds", bounds, (2, 3)).tolist()
+        bounds = corners(bounds)
     if bounds is not None and like is not None:
         raise ValueError("bounds and like exclude each other; give one of them")
     if matrix is not None:
@@ -141,7 +148,7 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
             "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis}
     from ._scene_api import _part
     with Listener(progress) as listener:
-        _part().resample(os.fspath(getattr(source, "path", source)), os.fspath(output), said, whole("max_memory", max_memory), listener)
+        _part().resample(file_name(getattr(source, "path", source), "source"), file_name(output, "output"), said, size_of("max_memory", max_memory), listener)
 
 
 def to_bytes(frames, **options):

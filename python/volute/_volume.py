@@ -17,6 +17,25 @@ from . import _core
 from ._progress import Listener
 
 BLOCK = _core.block
+
+
+def file_name(path, what="path"):
+    """The name of a file as a text."""
+    name = os.fsdecode(path)
+    if "\0" in name:
+        raise ValueError(f"{what}={name!r}: names of files have no NUL character")
+    return name
+
+
+def size_of(what, value):
+    """A number of bytes."""
+    if isinstance(value, (str, bool)) or np.ndim(value) or np.asarray(value).dtype.kind not in "iuf" or value != int(value):
+        raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
+    if not 0 <= value < 1 << 64:
+        raise ValueError(f"{what}={value!r}: expected 0 to {(1 << 64) - 1} bytes")
+    return int(value)
+
+
 _GIB = 1 << 30
 
 
@@ -93,12 +112,21 @@ class Frames:
         return self.shape[0]
 
     def frame_at(self, time):
-        """The index of the frame shown at `time` [s]: each is shown until the next one."""
+        """The index of the frame shown at `time` [s]: each is shown until the next one, the first before its own, the last after it."""
+        if np.ndim(time) or np.asarray(time).dtype.kind not in "iuf" or np.isnan(time):
+            raise TypeError(f"time={time!r}: expected a number of seconds")
         return max(0, bisect.bisect_right(self.times, time) - 1)
 
     def at(self, time):
-        """The frame shown at `time` [s], shape (z, y, x[, c])."""
-        return self[self.frame_at(time)]
+        """The frame shown at `time` [s], shape (z, y, x[, c]). The last is shown as long as the one before it, a lone one always: what is
+        beyond that, or before the first time and 0, is a ValueError."""
+        at, times = self.frame_at(time), self.times
+        end = 2 * times[-1] - times[-2] if len(times) > 1 else np.inf
+        begin = min(times[0], 0)
+        if not begin - 1e-9 * (1 + abs(begin)) <= time <= end + 1e-9 * (1 + abs(end)):
+            raise ValueError(f"{time:g} s is {'past the end' if time > begin else 'before the begin'}: {self.path} has {len(times)} frames from "
+                             f"{times[0]:g} to {times[-1]:g} s")
+        return self[at]
 
     def __array__(self, dtype=None, copy=None):
         if copy is False:
@@ -169,6 +197,7 @@ class Frames:
 
 
 Bricks = collections.namedtuple("Bricks", "positions values active tile_positions tile_sides tile_values tile_active background")
+Bricks.__doc__ = "What a frame holds, as Volume.bricks() gives it."
 
 
 class Volume(Frames):
@@ -182,10 +211,12 @@ class Volume(Frames):
 
     def __init__(self, path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2):
         """grid: the name of one of several; without it "density", else the first that is not empty.
-        partial: of a damaged file the intact, coarser part is shown."""
-        max_memory, cache = int(max_memory), int(cache)
+        partial: of a damaged file the intact, coarser part is shown; it is checked as by verify(), and `damage` says what is missing."""
+        max_memory, cache = size_of("max_memory", max_memory), size_of("cache", cache)
+        if grid is not None and not isinstance(grid, str):
+            raise TypeError(f"grid={grid!r}: expected a name")
         self._memory = _InMemory(path) if isinstance(path, (bytes, bytearray, memoryview)) or hasattr(path, "read") else None
-        path = self._memory.path if self._memory else os.fspath(path)
+        path = self._memory.path if self._memory else file_name(path)
         self._file = _core.File(path, partial, max_memory, grid or "")
         self._block = self._file.block_frames
         self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
@@ -203,6 +234,16 @@ class Volume(Frames):
         self.value_range = header["value_range"]
         #: what was asked of the compression: ("look", 0.0007), ("support-rms", 0.003), ("rms", 0.003) over all voxels, ..
         self.target = header["target"]
+        #: None, or of a damaged file that is shown in part a sentence that says so: rms and max_error are not known then (NaN)
+        self.damage = None
+        if partial:
+            with Listener() as listener:
+                fault, parts, intact = self._file.verify(listener)
+            if fault:
+                self.rms = self.max_error = np.nan
+                self.damage = (f"{path}: {intact} of {parts} parts of '{self.name}' are intact ({fault}); the others are taken as 0 or coarser, "
+                               "and how far values are off is not known")
+                listener.remark(self.damage, "damaged", path)
         if header["offset"]:
             self.dtype = np.dtype(np.float64)
         self.provenance, self.written_by = header["provenance"], header["written_by"]
@@ -214,6 +255,8 @@ class Volume(Frames):
         all_grids = {one.pop("name"): one for one in self._file.grids}
         for one in all_grids.values():
             one["shape"] = one["shape"] if one["shape"][4] != 1 else one["shape"][:4]
+            if self.damage:
+                one["rms"] = one["max_error"] = np.nan
         return all_grids
 
     def grid(self, name):
@@ -261,7 +304,7 @@ class Volume(Frames):
         """Reads the whole file; raises an error if a checksum is wrong. `progress`: as for compress()."""
         from ._errors import InvalidData
         with Listener(progress) as listener:
-            fault = self._file.verify(listener)
+            fault, _, _ = self._file.verify(listener)
         if fault:
             raise InvalidData(fault)
 
@@ -273,6 +316,10 @@ class Volume(Frames):
 
     def __iter__(self):
         """Frames, shape (z, y, x[, c]); each block is decoded once where its frames fit in the cache."""
+        self._file.info  # says that it is closed
+        return self._frames()
+
+    def _frames(self):
         block = self._block
         for first in range(0, len(self), block):
             if self.dtype.itemsize * block * (self.size // len(self)) <= self._cache:
@@ -345,8 +392,11 @@ class Volume(Frames):
         return _open, (self._memory.data if self._memory else os.path.abspath(self.path), self.name, self._options)
 
     def _says(self):
+        if isinstance(self._file, _Closed):
+            return f"{super()._says()}; closed"
         ratio = self.nbytes / self.file_bytes
-        return f"{super()._says()}; {_bytes(self.file_bytes)}, 1/{ratio:.3g} of float32, relative RMS error {self.rms:.2g}"
+        error = "damaged, errors not known" if self.damage else f"relative RMS error {self.rms:.2g}"
+        return f"{super()._says()}; {_bytes(self.file_bytes)}, 1/{ratio:.3g} of float32, {error}"
 
     def _picture(self):
         """The middle frame from the side, its brightest values along y, or along z where that shows more."""
@@ -373,7 +423,7 @@ class Volume(Frames):
                 ("times", f"{self.times[0]:g} to {self.times[-1]:g} s"), ("bounds", f"({low}) to ({high}) m"),
                 ("values", f"{self.name}{' [' + self.unit + ']' if self.unit else ''}, {self.value_range[0]:.4g} to {self.value_range[1]:.4g}"),
                 ("file", f"{_bytes(self.file_bytes)} for {_bytes(self.nbytes)} of float32 (1/{self.nbytes / self.file_bytes:.3g})"),
-                ("error", f"relative RMS {self.rms:.3g}, at most {self.max_error:.3g}")]
+                ("error", "damaged, not known" if self.damage else f"relative RMS {self.rms:.3g}, at most {self.max_error:.3g}")]
         cells = "".join(f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{html.escape(text)}</td></tr>" for name, text in rows)
         return (f"<div><b>{html.escape(os.path.basename(self.path))}</b><div style='display:flex;gap:1em;align-items:center'>{image}"
                 f"<table>{cells}</table></div></div>")

@@ -7,7 +7,8 @@ import threading
 import numpy as np
 
 from . import _core
-from ._volume import Frames
+from ._arrays import corners, number, whole
+from ._volume import Frames, _Closed, file_name, size_of
 
 
 class Case(Frames):
@@ -17,10 +18,11 @@ class Case(Frames):
     meshes. volute.compress() accepts it directly."""
 
     def __init__(self, path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
-        if bounds is not None:
-            bounds = np.asarray(bounds, float).reshape(2, 3).tolist()
-        self._case = _core.Fds(os.fspath(path), quantity, source, mass_extinction, mesh, bounds, max_memory)
-        super().__init__(path, self._case.info)
+        mass_extinction = number("mass_extinction", mass_extinction)
+        mesh = None if mesh is None else whole("mesh", mesh)
+        self._case = _core.Fds(file_name(path), quantity, source, mass_extinction, mesh, corners(bounds), size_of("max_memory", max_memory))
+        self._options = {"quantity": quantity, "source": source, "mass_extinction": mass_extinction, "mesh": mesh, "bounds": bounds}
+        super().__init__(file_name(path), self._case.info)
         self._lock = threading.Lock()
 
     @property
@@ -38,8 +40,27 @@ class Case(Frames):
         """The name of the source in use."""
         return self._case.source
 
+    def close(self):
+        """Closes its files; what is read then is a ValueError. `with` calls it."""
+        self._case = _Closed(self.path)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *what):
+        self.close()
+
     def __iter__(self):
+        self._case.info  # says that it is closed
         return (self[i] for i in range(len(self)))
+
+    def _as_members(self):
+        """What makes a scene read the same."""
+        lost = [key for key in ("quantity", "mesh", "bounds") if self._options[key] not in (None, "")]
+        if lost:
+            raise ValueError(f"{self.path}: a scene reads the whole case's smoke, and this one was opened with {' and '.join(lost)}; compress it first: "
+                             "volute.compress(case, \"part.volute\").open(), or leave that out")
+        return {key: self._options[own] for key, own in (("field", "source"), ("mass_extinction", "mass_extinction")) if self._options[own]}
 
     def _read(self, t, z, y, x):
         values = np.empty((len(t), len(z), len(y), len(x), 1), np.float32)
