@@ -11,6 +11,7 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <vector>
 
 #include "bridge.hpp"
@@ -53,6 +54,9 @@ OrderedJson jsonOf(const std::string& text) {
   return OrderedJson::parse(text);  // json.dumps wrote it
 }
 
+/// Beyond [m] numbers have no room for a centimetre.
+constexpr double kFarthest = 1e12;
+
 std::vector<Vec3> pointsOf(const Points& points, const char* what) {
   if (points.ndim() != 2 || points.shape(1) != 3)
     throw py::value_error(fmt::format("{}: expected shape (n, 3), x y z in metres", what));
@@ -62,6 +66,11 @@ std::vector<Vec3> pointsOf(const Points& points, const char* what) {
     result[i] = Vec3(p[0], p[1], p[2]);
     if (!result[i].allFinite())
       throw py::value_error(fmt::format("{}: point {} is not finite", what, i));
+    if (result[i].cwiseAbs().maxCoeff() > kFarthest) {
+      throw py::value_error(
+          fmt::format("{}: point {} is at ({:g}, {:g}, {:g}); expected at most {:g} m", what, i,
+                      p[0], p[1], p[2], kFarthest));
+    }
   }
   return result;
 }
@@ -247,6 +256,15 @@ class PythonScene {
     });
   }
 
+  /// Lets go of volumes in memory but those of these names.
+  void keep(const std::vector<std::string>& names) {
+    run(py::none(), [&](Progress&) -> Status {
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the scene"));
+      volumes_->keep(names);
+      return {};
+    });
+  }
+
   /// Light, as a .exr has it.
   py::array_t<float> render(const py::dict& said, const py::object& listener) {
     const RenderRequest request = requestOf(said);
@@ -331,22 +349,89 @@ Result<std::unique_ptr<SightField>> lookedThrough(const std::string& path, const
   return sightOf(std::move(made), options, progress);
 }
 
+/// Remarks on a field: of the reader of its files, and on the extinction that was read so far.
+class FieldRemarks {
+ public:
+  FieldRemarks() = default;
+
+  /// @param reader  what was told while the field was opened
+  explicit FieldRemarks(std::vector<Remark> reader) : reader_(std::move(reader)) {}
+
+  /// Tells the listener what is new: again where it has become doubtful, or no longer is.
+  /// @param all  whether the field was read at all of its times
+  void judge(const SightField& field, bool all, Progress& progress) {
+    const double largest = field.largestRead().value_or(-1);
+    if (largest < 0 || (largest == 0 && !all))
+      return;
+    const auto doubts = [](const std::vector<Remark>& remarks) {
+      return std::ranges::count(remarks, RemarkCode::kDoubtful, &Remark::code);
+    };
+    auto found = field.remarksOn(largest);
+    const bool changed = extinction_.empty() || doubts(found) != doubts(extinction_);
+    extinction_ = std::move(found);
+    for (const Remark& remark : extinction_) {
+      if (changed)
+        progress.remark(remark);
+    }
+  }
+
+  std::vector<std::string> sentences() const {
+    std::vector<std::string> all;
+    for (const auto* some : {&reader_, &extinction_}) {
+      for (const Remark& remark : *some) {
+        std::string text = fullText(remark, argumentText);
+        if (std::ranges::find(all, text) == all.end())
+          all.push_back(std::move(text));
+      }
+    }
+    return all;
+  }
+
+ private:
+  std::vector<Remark> reader_, extinction_;
+};
+
+/// Passes each remark on once.
+class OnceTold final : public Progress {
+ public:
+  explicit OnceTold(Progress& next) : next_(next) {}
+
+  void report(std::string_view stage, double done, double total) override {
+    next_.report(stage, done, total);
+  }
+
+  void remark(const Remark& remark) override {
+    if (std::ranges::find(told_, remark) != told_.end())
+      return;
+    told_.push_back(remark);
+    next_.remark(remark);
+  }
+
+  bool cancelled() const override { return next_.cancelled(); }
+
+  const std::vector<Remark>& told() const { return told_; }
+
+ private:
+  Progress& next_;
+  std::vector<Remark> told_;
+};
+
 /// As scenes and their files are opened by the command: one that sees.
 class Sight {
  public:
   /// @param scene  as lookedThrough() takes it
   Sight(std::string path, const std::string& members, std::string scene, const Volumes& volumes,
-        std::uint64_t maxMemory)
+        std::uint64_t maxMemory, const py::object& listener)
       : path_(std::move(path)),
         scene_(std::move(scene)),
         options_(sceneOptions(members, maxMemory)) {
     const auto own = std::make_shared<MemoryVolumes>();
     addVolumes(*own, volumes);
     options_.files.volumes = own;
-    take(unlocked([&] {
+    run(listener, [&](Progress& progress) {
       const std::lock_guard lock(mutex_);
-      return open();
-    }));
+      return open(progress);
+    });
   }
 
   std::vector<double> times() const { return times_; }
@@ -355,10 +440,16 @@ class Sight {
 
   std::string description() const { return description_; }
 
-  std::vector<std::string> remarks() const { return remarks_; }
+  std::vector<std::string> remarks() {
+    return unlocked([&] {
+      const std::lock_guard lock(mutex_);
+      return remarks_.sentences();
+    });
+  }
 
   /// Depths of lines at a stored time.
-  py::array look(std::size_t time, const Points& eyes, const Points& targets) {
+  py::array look(std::size_t time, const Points& eyes, const Points& targets,
+                 const py::object& listener) {
     const auto from = pointsOf(eyes, "eyes");
     const auto to = pointsOf(targets, "targets");
     if (from.size() != to.size())
@@ -366,19 +457,27 @@ class Sight {
           fmt::format("{} eyes and {} targets; expected as many", from.size(), to.size()));
     py::array_t<LineSight> out(static_cast<py::ssize_t>(from.size()));
     LineSight* sights = out.mutable_data();
-    run(py::none(), [&](Progress&) -> Status {
-      VOLUTE_ASSIGN(const auto at, snapshot(time));
-      parallelRanges(from.size(), 64, [&](std::size_t begin, std::size_t end) {
-        std::vector<SightLine> lines;
-        for (std::size_t i = begin; i < end; ++i) lines.push_back({from[i], to[i]});
-        std::vector<volute::Sight> seen(lines.size());
-        at->look(lines, seen);
-        for (std::size_t i = begin; i < end; ++i) {
-          const volute::Sight& s = seen[i - begin];
-          sights[i] = {s.depth, s.low, s.high, s.covered, s.blocked};
-        }
-      });
-      return {};
+    run(listener, [&](Progress& progress) -> Status {
+      VOLUTE_ASSIGN(const auto at, snapshot(time, progress));
+      constexpr std::size_t kAtOnce = 1 << 14;  // between which one may ask to stop
+      for (std::size_t first = 0; first < from.size(); first += kAtOnce) {
+        if (progress.cancelled())
+          return fail(ErrorCode::kCancelled, "stopped");
+        parallelRanges(
+            std::min(kAtOnce, from.size() - first), 64, [&](std::size_t begin, std::size_t end) {
+              begin += first, end += first;
+              std::vector<SightLine> lines;
+              for (std::size_t i = begin; i < end; ++i) lines.push_back({from[i], to[i]});
+              std::vector<volute::Sight> seen(lines.size());
+              at->look(lines, seen);
+              for (std::size_t i = begin; i < end; ++i) {
+                const volute::Sight& s = seen[i - begin];
+                const Sighting known = judged({.covered = s.covered}, s.depth, s.low, s.high);
+                sights[i] = {known.depth, known.low, known.high, s.covered, s.blocked};
+              }
+            });
+      }
+      return judge(progress);
     });
     return out;
   }
@@ -397,12 +496,12 @@ class Sight {
       for (std::size_t t = 0; t < times.size(); ++t) {
         if (progress.cancelled())
           return fail(ErrorCode::kCancelled, "stopped");
-        VOLUTE_ASSIGN(const auto at, snapshot(times[t]));
+        VOLUTE_ASSIGN(const auto at, snapshot(times[t], progress));
         VOLUTE_ASSIGN(const auto targets, placeSigns(*at, signs, bounds_, progress));
         lookAround(*at, targets, from, std::span(all).subspan(t * each, each));
         progress.report("looking", static_cast<double>(t + 1), static_cast<double>(times.size()));
       }
-      return {};
+      return judge(progress);
     });
     py::array_t<SignSight> out({times.size(), signCount, from.size()});
     std::ranges::transform(all, out.mutable_data(), [](const Sighting& s) {
@@ -430,30 +529,44 @@ class Sight {
   };
 
  private:
-  Status open() {
-    Progress quiet;
+  Status open(Progress& progress) {
+    OnceTold log(progress);
     snapshot_ = nullptr;
-    VOLUTE_ASSIGN(field_, lookedThrough(path_, scene_, options_, quiet));
+    VOLUTE_ASSIGN(field_, lookedThrough(path_, scene_, options_, log));
     times_.assign(field_->times().begin(), field_->times().end());
     bounds_ = field_->bounds();
     description_ = field_->description();
-    remarks_.clear();
-    for (const volute::Remark& remark : field_->remarks()) remarks_.push_back(remark.sentence);
+    for (const Remark& remark : field_->remarks()) log.remark(remark);
+    remarks_ = FieldRemarks(log.told());
+    return {};
+  }
+
+  /// After what was read.
+  Status judge(Progress& progress) {
+    VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
+    remarks_.judge(*field_, read_.size() == times_.size(), progress);
     return {};
   }
 
   /// Fields are read forwards: for an earlier time they are opened again.
-  Result<std::shared_ptr<const SightSnapshot>> snapshot(std::size_t time) {
+  Result<std::shared_ptr<const SightSnapshot>> snapshot(std::size_t time, Progress& progress) {
     VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
     if (time >= times_.size()) {
       return fail(ErrorCode::kInvalidArgument, "there is no stored time {}; there are {}", time,
                   times_.size());
     }
-    if (snapshot_ && time < time_)
-      VOLUTE_TRY(open());
+    if (snapshot_ && time < time_) {
+      Progress quiet;  // it has told
+      auto told = std::move(remarks_);
+      VOLUTE_TRY(open(quiet));
+      remarks_ = std::move(told);
+    }
     if (!snapshot_ || time != time_) {
+      if (progress.cancelled())
+        return fail(ErrorCode::kCancelled, "stopped");
       VOLUTE_ASSIGN(snapshot_, field_->read(time));
       time_ = time;
+      read_.insert(time);
     }
     return snapshot_;
   }
@@ -467,7 +580,8 @@ class Sight {
   std::vector<double> times_;
   Box3 bounds_;
   std::string description_;
-  std::vector<std::string> remarks_;
+  FieldRemarks remarks_;
+  std::set<std::size_t> read_;  // times
 };
 
 /// Who sees which sign, and what people take in, asked again and again while time goes on.
@@ -486,11 +600,19 @@ class Engine {
     run(listener, [&](Progress& progress) -> Status {
       VOLUTE_ASSIGN(const auto signs, readSigns(signsFile));
       VOLUTE_ASSIGN(const auto criteria, criteriaOf(criteriaFile.empty() ? "usual" : criteriaFile));
-      VOLUTE_ASSIGN(auto field, lookedThrough(path, scene, options, progress));
-      VOLUTE_ASSIGN(auto made,
-                    SightEngine::open(std::move(field), signs, criteria.criteria, progress));
+      OnceTold log(progress);
+      VOLUTE_ASSIGN(field_, lookedThrough(path, scene, options, log));
+      VOLUTE_ASSIGN(auto made, SightEngine::open(field_, signs, criteria.criteria, log));
       engine_ = std::make_unique<SightEngine>(std::move(made));
+      remarks_ = FieldRemarks(log.told());
       return {};
+    });
+  }
+
+  std::vector<std::string> remarks() {
+    return unlocked([&] {
+      const std::lock_guard lock(mutex_);
+      return remarks_.sentences();
     });
   }
 
@@ -526,10 +648,10 @@ class Engine {
   }
 
   /// Shape (sign, agent).
-  py::array sees(double time, const Points& eyes) {
+  py::array sees(double time, const Points& eyes, const py::object& listener) {
     const auto from = eyesOf(time, eyes);
     std::vector<Seen> seen(engine_->signs().size() * from.size());
-    ask([&] { return engine_->sees(from, time, seen); });
+    ask(listener, [&] { return engine_->sees(from, time, seen); });
     py::array_t<std::uint8_t> out({engine_->signs().size(), from.size()});
     std::ranges::transform(seen, out.mutable_data(),
                            [](Seen one) { return static_cast<std::uint8_t>(one); });
@@ -538,14 +660,15 @@ class Engine {
 
   /// Shape (criterion, agent).
   /// @param worst  by the worst that the files allow
-  py::array dose(double time, const Ids& ids, const Points& eyes, bool worst) {
+  py::array dose(double time, const Ids& ids, const Points& eyes, bool worst,
+                 const py::object& listener) {
     const auto from = eyesOf(time, eyes);
     if (ids.ndim() != 1 || static_cast<std::size_t>(ids.shape(0)) != from.size())
       throw py::value_error(fmt::format("ids: expected shape ({},), one an agent", from.size()));
     py::array_t<double> out({engine_->criteria().size(), from.size()});
     const std::span all(out.mutable_data(), static_cast<std::size_t>(out.size()));
     std::vector<double> means(worst ? all.size() : 0);
-    ask([&] {
+    ask(listener, [&] {
       const std::span<const std::int64_t> people(ids.data(), from.size());
       return worst ? engine_->dose(people, from, time, means, all)
                    : engine_->dose(people, from, time, all);
@@ -553,17 +676,18 @@ class Engine {
     return out;
   }
 
-  py::array extinction(double time, const Points& eyes) {
+  py::array extinction(double time, const Points& eyes, const py::object& listener) {
     const auto from = eyesOf(time, eyes);
     py::array_t<double> out(static_cast<py::ssize_t>(from.size()));
-    ask([&] { return engine_->extinction(from, time, {out.mutable_data(), from.size()}); });
+    ask(listener,
+        [&] { return engine_->extinction(from, time, {out.mutable_data(), from.size()}); });
     return out;
   }
 
   /// Of the speeds `clear` without smoke; NaN where the smoke is not known.
   py::array walkingSpeed(double time, const Points& eyes, const Numbers& clear,
-                         const std::string& lawName) {
-    py::array out = extinction(time, eyes);
+                         const std::string& lawName, const py::object& listener) {
+    py::array out = extinction(time, eyes, listener);
     const SpeedLaw law = run(py::none(), [&](Progress&) { return speedLaw(lawName); });
     if (clear.size() != out.size())
       throw py::value_error(fmt::format("clear: expected one speed an agent, {}", out.size()));
@@ -585,15 +709,19 @@ class Engine {
 
   /// One thread at a time.
   template <class Question>
-  void ask(const Question& question) {
-    run(py::none(), [&](Progress&) -> Status {
+  void ask(const py::object& listener, const Question& question) {
+    run(listener, [&](Progress& progress) -> Status {
       VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Engine"));
-      return question();
+      VOLUTE_TRY(question());
+      remarks_.judge(*field_, false, progress);
+      return {};
     });
   }
 
   std::mutex mutex_;
+  std::shared_ptr<SightField> field_;  // the engine's
   std::unique_ptr<SightEngine> engine_;
+  FieldRemarks remarks_;
 };
 
 /// People of a file of trajectories at a time.
@@ -768,7 +896,8 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   }
   const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
                        "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
-                       "frame_numbers"_a = info.frameNumbers);
+                       "frame_numbers"_a = info.frameNumbers,
+                       "basis"_a = std::string(basisName(info.basis)));
   return py::make_tuple(array, place, report.dump(), bars);
 }
 
@@ -822,7 +951,8 @@ py::tuple reconstructFromLines(const py::object& source, const std::string& opti
   const VolumeInfo& info = found.volumes.info;
   const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
                        "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
-                       "frame_numbers"_a = info.frameNumbers);
+                       "frame_numbers"_a = info.frameNumbers,
+                       "basis"_a = std::string(basisName(info.basis)));
   return py::make_tuple(
       owned(std::move(found.volumes.values), {info.frames, info.z, info.y, info.x}), place,
       found.records.dump());
@@ -914,6 +1044,7 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("times", &PythonScene::times)
       .def_property_readonly("media", &PythonScene::media)
       .def("change", &PythonScene::change, "json"_a, "volumes"_a, "listener"_a)
+      .def("keep", &PythonScene::keep, "names"_a)
       .def("render", &PythonScene::render, "said"_a, "listener"_a)
       .def("picture", &PythonScene::picture, "said"_a, "listener"_a)
       .def("film", &PythonScene::film, "said"_a, "listener"_a);
@@ -921,13 +1052,14 @@ PYBIND11_MODULE(_scene, m) {
   m.def("resample", &resampleFile, "path"_a, "target"_a, "said"_a, "max_memory"_a, "listener"_a);
 
   py::class_<volute::python::Sight>(m, "Sight")
-      .def(py::init<std::string, const std::string&, std::string, const Volumes&, std::uint64_t>(),
-           "path"_a, "members"_a, "scene"_a, "volumes"_a, "max_memory"_a)
+      .def(py::init<std::string, const std::string&, std::string, const Volumes&, std::uint64_t,
+                    const py::object&>(),
+           "path"_a, "members"_a, "scene"_a, "volumes"_a, "max_memory"_a, "listener"_a)
       .def_property_readonly("times", &volute::python::Sight::times)
       .def_property_readonly("bounds", &volute::python::Sight::bounds)
       .def_property_readonly("description", &volute::python::Sight::description)
       .def_property_readonly("remarks", &volute::python::Sight::remarks)
-      .def("look", &volute::python::Sight::look, "time"_a, "eyes"_a, "targets"_a)
+      .def("look", &volute::python::Sight::look, "time"_a, "eyes"_a, "targets"_a, "listener"_a)
       .def("survey", &volute::python::Sight::survey, "times"_a, "signs_file"_a, "eyes"_a,
            "listener"_a)
       .def("sign_names", &volute::python::Sight::signNames, "file"_a);
@@ -942,10 +1074,12 @@ PYBIND11_MODULE(_scene, m) {
       .def_property_readonly("sign_places", &Engine::signPlaces)
       .def_property_readonly("criteria", &Engine::criteria)
       .def_property_readonly("missing", &Engine::missing)
-      .def("sees", &Engine::sees, "time"_a, "eyes"_a)
-      .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a, "worst"_a)
-      .def("extinction", &Engine::extinction, "time"_a, "eyes"_a)
-      .def("walking_speed", &Engine::walkingSpeed, "time"_a, "eyes"_a, "clear"_a, "law"_a);
+      .def_property_readonly("remarks", &Engine::remarks)
+      .def("sees", &Engine::sees, "time"_a, "eyes"_a, "listener"_a)
+      .def("dose", &Engine::dose, "time"_a, "ids"_a, "eyes"_a, "worst"_a, "listener"_a)
+      .def("extinction", &Engine::extinction, "time"_a, "eyes"_a, "listener"_a)
+      .def("walking_speed", &Engine::walkingSpeed, "time"_a, "eyes"_a, "clear"_a, "law"_a,
+           "listener"_a);
 
   py::class_<PythonTrajectories>(m, "Trajectories")
       .def(py::init<const std::string&, const std::string&, std::optional<double>, double>(),

@@ -17,7 +17,7 @@ from ._errors import InvalidArgument
 from ._lines import Lines
 from ._mesh import Mesh
 from ._progress import Listener
-from ._volume import Frames, _Closed, _png, open as _open
+from ._volume import Frames, _Closed, _png, file_name, open as _open, size_of
 
 #: what a call says of a volume in memory, and not of its appearance
 _OF_VALUES = ("bounds", "times", "frame_numbers", "name", "unit", "not_finite")
@@ -92,9 +92,10 @@ class _Volumes:
             self._sources.append(source)
             if getattr(source, "name", None) and len(getattr(source, "grids", ())) > 1:
                 members = {"field": source.name, **members}
-            return source.path, members
+            as_members = getattr(source, "_as_members", None)  # an FDS case
+            return source.path, {**as_members(), **members} if as_members else members
         if not _is_values(source):
-            return os.fspath(source), members
+            return file_name(source, "source"), members
         given = {key: members.get(key) for key in _OF_VALUES}
         return self.add(source, given), {key: value for key, value in members.items() if key not in _OF_VALUES}
 
@@ -106,8 +107,9 @@ class _Volumes:
         for entry in said["media"]:
             if isinstance(entry, dict) and _vtk_values.is_grid(entry.get("case")):
                 entry = {**entry, "case": Mesh(entry["case"])}
-            if isinstance(entry, dict) and isinstance(entry.get("case"), Mesh):
-                entry = {"kind": "smoke", **entry, "case": self.source(entry["case"], {})[0]}
+            if isinstance(entry, dict) and isinstance(entry.get("case"), (Mesh, Frames)):
+                case, members = self.source(entry["case"], {})
+                entry = {"kind": "smoke", **members, **entry, "case": case}
             if isinstance(entry, dict) and "file" in entry and not isinstance(entry["file"], (str, bytes, os.PathLike)):
                 file, members = self.source(entry["file"], {key: value for key, value in entry.items() if key not in ("file", "kind")})
                 entry = {"kind": entry.get("kind", "volume"), "file": file, **members}
@@ -124,11 +126,15 @@ def _choice(what, value, choices, hint=""):
 def _view(camera, size, background):
     """What all pictures take."""
     if size is not None:
+        if np.shape(size) != (2,):
+            raise ValueError(f"size={size!r}: expected (width, height)")
         width, height = size
         size = (whole("size", width), whole("size", height))
         if not (1 <= min(size) and max(size) <= 32768):
             raise InvalidArgument(f"size: {size[0]} x {size[1]} pixels; expected 1 to 32768 on each side")
     if background is not None:
+        if np.shape(background) != (3,):
+            raise ValueError(f"background={background!r}: expected (r, g, b)")
         background = tuple(number("background", one) for one in background)
     return {"camera": None if camera is None else _text(camera), "size": size, "background": background}
 
@@ -181,7 +187,7 @@ class Scene:
     def __init__(self, source, *, folder=".", max_memory=4 << 30, progress=None, **members):
         """folder: where a dict's file names are found."""
         self._volumes = _Volumes()
-        self._max_memory = whole("max_memory", max_memory)
+        self._max_memory = size_of("max_memory", max_memory)
         self._given = source, {"folder": os.path.abspath(folder), "max_memory": self._max_memory, **members}
         self._maker = _maker_of(self._volumes, source, folder, members)
         self._added = self._volumes.take()
@@ -220,6 +226,7 @@ class Scene:
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
         self._scene, self._shown, self._deep, self._added, self._volumes = _Closed("the scene"), None, None, [], _Volumes()
+        self._given = None
 
     def __enter__(self):
         return self
@@ -257,12 +264,22 @@ class Scene:
         given, new = new, _text(self._volumes.scene(new))
         more = self._volumes.take()
         with Listener(progress) as listener:
-            self._scene.change(new, more, listener)
-        self._added += more
+            try:
+                self._scene.change(new, more, listener)
+            except BaseException:
+                self._scene.keep([one[0] for one in self._added])
+                raise
+        self._keep_named(new, self._added + more)
         self._maker, self._shown, self._deep = ("make", (new, self._scene.path)), None, None
         self._given = given, {"folder": os.path.dirname(os.path.abspath(self._scene.path)), "max_memory": self._max_memory}
         if self._unclear:
             self._open(progress)
+
+    def _keep_named(self, said, added):
+        """Of volumes in memory, those that the scene names, and no others."""
+        named = {os.path.splitext(os.path.basename(str(entry.get(key, ""))))[0] for entry in json.loads(said)["media"] for key in ("file", "case")}
+        self._added = [one for one in added if "memory:" + one[0] in named]
+        self._scene.keep([one[0] for one in self._added])
 
     def touch(self, name=None, progress=None):
         """Reads anew: for arrays whose values have changed in their place, and functions that give others. name: of the one that has
@@ -288,6 +305,7 @@ class Scene:
         with Listener(progress) as listener:
             for opened in [self._scene] + [self._shown] * (self._shown not in (None, self._scene)):
                 opened.change(said, more, listener)
+                opened.keep([one[0] for one in self._added + more if "memory:" + one[0] not in changed])
         self._added = [one for one in self._added if "memory:" + one[0] not in changed] + more
         self._maker = "make", (said, self._scene.path)
 
@@ -336,7 +354,7 @@ class Scene:
 
         frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
         around its target by so many degrees over the film. The rest as for picture(). What is stopped leaves no file."""
-        path = os.fspath(path)
+        path = file_name(path)
         said = {"target": path, "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
                 "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
                 **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter),
@@ -395,18 +413,32 @@ def film(source, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=
 
 def to_srgb(image):
     """Converts linear light to sRGB as uint8, with the same shape; values are clamped to 0..1."""
-    x = np.clip(np.asarray(image, np.float32), 0, 1)
+    x = np.clip(_light(image, "linear light as floats; uint8 is sRGB as it is"), 0, 1)
     return np.round(255 * np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(x, 1 / 2.4) - 0.055)).astype(np.uint8)
 
 
 def read_image(path):
     """Linear float32 of a .png or .exr, shape (height, width, 3), or (height, width) of one channel; row 0 at the top."""
-    return _part().read_image(os.fspath(path))
+    return _part().read_image(file_name(path))
 
 
 def write_image(path, image):
-    """Writes linear values, shape (height, width[, 3]): a .png (8 bits, sRGB, clamped to 0..1) or a .exr (float32)."""
-    _part().write_image(os.fspath(path), np.asarray(unmasked(image, "the picture"), np.float32))
+    """Writes a picture, shape (height, width[, 3]): a .png (8 bits, sRGB) or a .exr (linear, float32). Floats are linear values, which a .png
+    clamps to 0..1; uint8 is sRGB, as picture() gives it."""
+    image = unmasked(image, "the picture")
+    if image.dtype == np.uint8:
+        steps = np.arange(256) / 255
+        image = np.where(steps <= 0.04045, steps / 12.92, ((steps + 0.055) / 1.055) ** 2.4)[image]
+    _part().write_image(file_name(path), _light(image, "linear light as floats, or sRGB as uint8"))
+
+
+def _light(image, expected):
+    image = unmasked(image, "the picture")
+    if image.dtype.kind != "f":
+        raise TypeError(f"the picture has values of type {image.dtype}; expected {expected}")
+    if np.isnan(image).any():
+        raise ValueError(f"the picture has {int(np.isnan(image).sum())} values that are no numbers (NaN); expected {expected}")
+    return image.astype(np.float32)
 
 
 def _looked_through(volumes, source, folder, members):
@@ -422,10 +454,12 @@ class Sight:
     in time; going back opens them again."""
 
     def __init__(self, source, *, folder=".", max_memory=4 << 30, **members):
-        self._given = source, {"folder": os.path.abspath(folder), "max_memory": whole("max_memory", max_memory), **members}
+        max_memory = size_of("max_memory", max_memory)
+        self._given = source, {"folder": os.path.abspath(folder), "max_memory": max_memory, **members}
         self._volumes = volumes = _Volumes()
         (self.path, members), scene = _looked_through(volumes, source, folder, members)
-        self._sight = _part().Sight(self.path, members, scene, volumes.take(), whole("max_memory", max_memory))
+        with Listener() as listener:
+            self._sight = _part().Sight(self.path, members, scene, volumes.take(), max_memory, listener)
 
     def __reduce__(self):
         self._sight.times  # says that it is closed
@@ -433,7 +467,7 @@ class Sight:
 
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
-        self._sight, self._volumes = _Closed(self.path), None
+        self._sight, self._volumes, self._given = _Closed(self.path), None, None
 
     def __enter__(self):
         return self
@@ -458,20 +492,37 @@ class Sight:
 
     @property
     def remarks(self):
+        """Sentences about the files, and about the extinction of the times that were looked at: whether its unit can be right."""
         return self._sight.remarks
 
     def look(self, eyes, targets, time=0):
-        """Looks along straight lines at the stored time with index `time`.
+        """Looks along straight lines at the stored time with index `time`, from 0.
 
         eyes, targets: shape (n, 3) or (3,), x y z [m]; one of them may be a single point.
         Returns a structured array, shape (n,): depth (integral of the extinction, natural logarithm), low and high (its bounds),
-        covered (the medium is known along the whole line), blocked (an obstruction is in the way)."""
+        covered (the medium is known along the whole line; else depth is NaN, low is that of the known part and high infinite), blocked
+        (an obstruction is in the way)."""
         eyes, targets = np.broadcast_arrays(_points(eyes), _points(targets))
-        return self._sight.look(int(time), eyes, targets)
+        if np.ndim(time):
+            raise TypeError(f"time={time!r}: expected one index of a stored time")
+        with Listener() as listener:
+            return self._sight.look(int(_stored("time", time, self.times)[0]), eyes, targets, listener)
 
     def __repr__(self):
         times = self.times
         return f"<volute.Sight {os.path.basename(self.path)}: {self.description}; {len(times)} times, {times[0]:g} to {times[-1]:g} s>"
+
+
+def _stored(what, indices, times):
+    """Indices of stored times, shape (n,)."""
+    found = np.atleast_1d(unmasked(indices, what))
+    if found.size and (found.ndim > 1 or found.dtype.kind not in "iu"):
+        raise TypeError(f"{what}={indices!r}: expected indices of stored times, whole numbers from 0 to {len(times) - 1}; Sight.times has these "
+                        "times [s], and those of an array are given by Sight(array, times=..)")
+    wrong = [int(one) for one in found if not 0 <= one < len(times)]
+    if wrong:
+        raise InvalidArgument(f"{what}: there is no stored time {wrong[0]}; there are {len(times)}, from 0")
+    return found.astype(np.int64)
 
 
 @dataclasses.dataclass
@@ -493,7 +544,7 @@ class Survey:
 def _list_file(folder, key, said):
     """The name of a file with a list of signs or criteria, which is written where the list itself is said."""
     if not isinstance(said, (list, tuple)):
-        return os.fspath(said)
+        return file_name(said, key)
     name = os.path.join(folder, key + ".json")
     with open(name, "w") as file:
         file.write(_text({key: list(said)}))
@@ -516,7 +567,7 @@ class Engine:
         with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
             said = "" if criteria is None else _list_file(folder, "criteria", criteria)
             self._engine = _part().Engine(self.path, members, scene, volumes.take(), _list_file(folder, "signs", signs), said,
-                                          whole("max_memory", max_memory), listener)
+                                          size_of("max_memory", max_memory), listener)
 
     def close(self):
         """Closes its files and lets go of its arrays; what is asked of it then is a ValueError. `with` calls it."""
@@ -553,12 +604,18 @@ class Engine:
         """{criterion: why} of those that the case does not store enough for."""
         return dict(self._engine.missing)
 
+    @property
+    def remarks(self):
+        """Sentences about the files, and about the extinction that was read so far: whether its unit can be right."""
+        return self._engine.remarks
+
     def sees(self, eyes, time, facing=None):
         """Which signs each agent sees at `time` [s], linear between stored times: a structured array, shape (agent,), with a field
         a sign: NOT_SEEN, SEEN or CANNOT_TELL (the case's values are rounded too much). eyes: shape (agent, 3) or (3,) [m]. facing:
         where agents walk to or look, shape (agent, 2) or (agent, 3): signs behind them are not seen."""
         eyes = _points(eyes)
-        seen = self._engine.sees(float(time), eyes)
+        with Listener() as listener:
+            seen = self._engine.sees(number("time", time), eyes, listener)
         if facing is not None:
             facing = np.asarray(unmasked(facing, "facing"), float)
             if facing.ndim not in (1, 2) or facing.shape[-1] not in (2, 3) or not np.isfinite(facing).all():
@@ -574,19 +631,24 @@ class Engine:
         criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once. worst: by the worst that rounding, caps
         and means at nodes of the files allow, instead of by the values themselves; both are followed, and may be asked for at the
         same time."""
-        ids = np.atleast_1d(np.asarray(unmasked(ids, "ids"), np.int64))
-        return _fields(self.criteria, float, self._engine.dose(float(time), ids, _points(eyes), bool(worst)))
+        ids = np.atleast_1d(unmasked(ids, "ids"))
+        if ids.size and ids.dtype.kind not in "iu":
+            raise TypeError(f"ids: values of type {ids.dtype}; expected whole numbers")
+        with Listener() as listener:
+            return _fields(self.criteria, float, self._engine.dose(number("time", time), ids.astype(np.int64), _points(eyes), bool(worst), listener))
 
     def extinction(self, eyes, time):
         """K at each eye [1/m], shape (agent,), for walking speeds; NaN where nothing is known."""
-        return self._engine.extinction(float(time), _points(eyes))
+        with Listener() as listener:
+            return self._engine.extinction(number("time", time), _points(eyes), listener)
 
     def walking_speed(self, eyes, time, clear=1.2, law="fridolf"):
         """How fast agents walk in the smoke where their eyes are [m/s], shape (agent,), who walk at `clear` [m/s] without it; NaN where
         the smoke is not known. law: as `volute visibility --slowed` takes it: fridolf, frantzich-nilsson, or with own coefficients
         ("fridolf:0.34,3,0.2")."""
         eyes = _points(eyes)
-        return self._engine.walking_speed(float(time), eyes, np.broadcast_to(np.asarray(clear, float), len(eyes)), law)
+        with Listener() as listener:
+            return self._engine.walking_speed(number("time", time), eyes, np.broadcast_to(np.asarray(clear, float), len(eyes)), law, listener)
 
     def __repr__(self):
         times = self.times
@@ -610,7 +672,7 @@ class Trajectories:
     def __init__(self, path, height=None, eye_height=1.8):
         with open(path, "rb") as file:
             text = file.read()
-        self._walks = _part().Trajectories(text, os.fspath(path), height, eye_height)
+        self._walks = _part().Trajectories(text, file_name(path), height, eye_height)
         self.begin, self.end = self._walks.span  #: [s]
         self.remarks = self._walks.remarks
 
@@ -621,7 +683,7 @@ class Trajectories:
 
     def at(self, time):
         """(ids, eyes) of those who are there at `time` [s], eyes of shape (person, 3) [m]: what Engine.dose() takes."""
-        return self._walks.at(float(time))
+        return self._walks.at(number("time", time))
 
 
 def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=None, **members):
@@ -629,15 +691,20 @@ def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=
 
     source: an FDS case, a mesh, a volume or a scene (or a Sight). signs: a .json file with "signs", or a list of dicts
     {"name", "position": [x,y,z], "normal": [x,y,z], "size", "emitting" or "C", "angle_law"} (docs/visibility.md).
-    eyes: shape (n, 3) or (3,) [m]. times: indices of stored times, default all. **members: members of a scene's entry for the file."""
+    eyes: shape (n, 3) or (3,) [m]. times: indices of stored times, default all; those of an array are given by Sight(array, times=..).
+    **members: members of a scene's entry for the file."""
+    if isinstance(source, Sight):
+        members.update({"max_memory": max_memory} if max_memory != 4 << 30 else {})
+        if members:
+            raise TypeError(f"{', '.join(members)}: a Sight is made with them already: volute.Sight(source, {next(iter(members))}=..)")
     sight = source if isinstance(source, Sight) else Sight(source, max_memory=max_memory, **members)
     eyes = _points(eyes)
     stored = sight.times
-    chosen = np.arange(len(stored)) if times is None else np.atleast_1d(np.asarray(times, int))
+    chosen = np.arange(len(stored)) if times is None else _stored("times", times, stored)
     with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
         signs = _list_file(folder, "signs", signs)
-        table = sight._sight.survey([int(t) for t in chosen], os.fspath(signs), eyes, listener)
-        names = sight._sight.sign_names(os.fspath(signs))
+        table = sight._sight.survey(chosen.tolist(), signs, eyes, listener)
+        names = sight._sight.sign_names(signs)
     return Survey(table, stored[chosen], names, eyes)
 
 
@@ -652,11 +719,11 @@ class Reconstruction:
     name: str = ""  #: of the values, and their unit
     unit: str = ""
     sigma: object = None  #: with error_bars: the standard deviation of each value, of the same shape; of a file its grid 'emission_sigma'
-
+    basis: str = "box"  #: what the values mean between the centres of voxels, as for compress()
 
     def _of_itself(self):
         """The values, and what they say: a Reconstruction is a volume wherever arrays are."""
-        return self.values, {"bounds": self.bounds, "times": self.times, "frame_numbers": self.frame_numbers, "name": self.name, "unit": self.unit}
+        return self.values, {key: getattr(self, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
 
 
 def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
@@ -688,35 +755,36 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if "hold_out" in said:
         said["hold_out"] = [said["hold_out"]] if isinstance(said["hold_out"], str) else list(said["hold_out"])
     if frames is not None:
-        said["frames"] = [int(frames[0]), int(frames[1])]
+        said["frames"] = [whole("frames", frames[0]), whole("frames", frames[1])]
     if resolution is not None:
-        said["resolution"] = [int(n) for n in resolution] if np.ndim(resolution) else [int(resolution), 0, 0]
+        said["resolution"] = [whole("resolution", n) for n in resolution] if np.ndim(resolution) else [whole("resolution", resolution), 0, 0]
     if bounds is not None:
         said["bounds"] = corners(bounds)
     if images is not None:
-        said["images"] = os.fspath(images)
+        said["images"] = file_name(images, "images")
     if output is None and said.get("temperature"):
         raise ValueError("temperature=True needs an output: its grids are those of the file")
-    if output is not None and not os.fspath(output).endswith(".volute"):
-        raise ValueError(f"'{os.fspath(output)}' does not end in .volute")
+    output = None if output is None else file_name(output, "output")
+    if output is not None and not output.endswith(".volute"):
+        raise ValueError(f"'{output}' does not end in .volute")
     if lines:
         return _from_lines(capture, output, rms, said, max_memory, progress)
     with Listener(progress) as listener:
-        values, place, report, sigma = part.reconstruct(os.fspath(capture), "" if output is None else os.fspath(output), float(rms),
-                                                        _text(said), whole("max_memory", max_memory), listener)
+        values, place, report, sigma = part.reconstruct(file_name(capture, "capture"), output or "", number("rms", rms), _text(said),
+                                                        size_of("max_memory", max_memory), listener)
     if output is not None:
         values = _open(output, grid=place["grid"])
         sigma = _open(output, grid=place["grid"] + "_sigma") if said.get("error_bars") else None
     return Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]), json.loads(report),
-                          place["grid"], place["unit"], sigma)
+                          place["grid"], place["unit"], sigma, place["basis"])
 
 
 def _from_lines(lines, output, rms, said, max_memory, progress):
-    source = lines._said() if isinstance(lines, Lines) else os.fspath(lines)
+    source = lines._said() if isinstance(lines, Lines) else file_name(lines, "lines")
     with Listener(progress) as listener:
-        values, place, records = _part().reconstruct_lines(source, _text(said), whole("max_memory", max_memory), listener)
+        values, place, records = _part().reconstruct_lines(source, _text(said), size_of("max_memory", max_memory), listener)
     found = Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]),
-                           {"lines": json.loads(records)}, place["grid"], place["unit"])
+                           {"lines": json.loads(records)}, place["grid"], place["unit"], basis=place["basis"])
     if output is not None:
-        found.values = compress(found, output, rms=rms, basis=said.get("basis", "box"), progress=progress).open()
+        found.values = compress(found, output, rms=rms, progress=progress).open()
     return found
