@@ -26,13 +26,13 @@ from ._lines import Lines
 from ._mesh import Mesh
 from ._errors import (Cancelled, Error, InvalidArgument, InvalidData, IoError, NotFound, TooLarge, Truncated,
                       Unsupported)
-from ._volume import Frames, Volume, open
+from ._volume import Bricks, Frames, Volume, open
 from ._scene_api import (Engine, Reconstruction, Scene, Sight, Survey, Trajectories, film, picture, read_image, reconstruct, render, to_srgb,
                          visibility, write_image)
 from ._own_media import PIECE, SEGMENT, Member, check_medium, medium, pieces
 
 __version__ = _core.version
-__all__ = ["Cancelled", "Compressed", "Engine", "Error", "Frames", "Function", "InvalidArgument", "InvalidData", "IoError", "Lines", "Member", "Mesh", "NotFound", "Reconstruction",
+__all__ = ["Bricks", "Cancelled", "Compressed", "Engine", "Error", "Frames", "Function", "InvalidArgument", "InvalidData", "IoError", "Lines", "Member", "Mesh", "NotFound", "Reconstruction",
            "Scene", "Sight", "Survey", "TooLarge", "Trajectories", "Truncated", "Unsupported", "Volume", "check_medium", "compress", "fds", "film", "medium", "open",
            "picture", "pieces", "read_image", "reconstruct", "render", "resample", "set_threads", "to_bytes", "to_srgb", "visibility", "write_image"]
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 import os
-from typing import IO, Any, Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import IO, Any, Callable, Dict, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,11 @@ Progress = Union[None, bool, Callable[[str, float, float], Any]]
 
 __version__: str
 
-class Error(Exception): ...
+class Error(Exception):
+    code: str
+    path: Optional[str]
+    member: Optional[str]
+    hint: Optional[str]
 class InvalidArgument(Error, ValueError): ...
 class NotFound(Error, FileNotFoundError): ...
 class InvalidData(Error, ValueError): ...
@@ -56,17 +60,26 @@ class Frames:
     def frame_at(self, time: float) -> int: ...
     def at(self, time: float) -> Floats: ...
 
+class Bricks(NamedTuple):
+    positions: npt.NDArray[np.int64]
+    values: npt.NDArray[Any]
+    active: npt.NDArray[np.bool_]
+    tile_positions: npt.NDArray[np.int64]
+    tile_sides: npt.NDArray[np.int64]
+    tile_values: npt.NDArray[Any]
+    tile_active: npt.NDArray[np.bool_]
+    background: Any
+
 class Volume(Frames):
     rms: float
-    support_rms: float
-    support_share: float
     max_error: float
+    damage: Optional[str]
     value_range: Tuple[float, float]
     target: Tuple[str, float]
     provenance: str
     written_by: str
-    def __init__(self, path: Path, *, grid: Optional[str] = ..., partial: bool = ..., max_memory: int = ...,
-                 cache: int = ...) -> None: ...
+    def __init__(self, path: Union[Path, bytes, bytearray, memoryview, IO[bytes]], *, grid: Optional[str] = ..., partial: bool = ...,
+                 max_memory: int = ..., cache: int = ...) -> None: ...
     @property
     def grids(self) -> Dict[str, Dict[str, Any]]: ...
     def grid(self, name: str) -> Volume: ...
@@ -79,7 +92,7 @@ class Volume(Frames):
     @property
     def bytes_read(self) -> int: ...
     def preview(self, key: Any = ..., levels: int = ...) -> Floats: ...
-    def bricks(self, frame: int) -> Any: ...
+    def bricks(self, frame: int) -> Bricks: ...
     def masked(self, frame: int) -> Any: ...
     def verify(self, progress: Progress = ...) -> None: ...
     def to_dask(self) -> Any: ...
@@ -92,6 +105,8 @@ class Compressed:
     raw_bytes: int
     file_bytes: int
     rms: float
+    support_rms: float
+    support_share: float
     max_error: float
     value_range: Tuple[float, float]
     seconds: float
@@ -123,7 +138,8 @@ class Function:
     unit: Optional[str]
     def __init__(self, value: Callable[..., npt.ArrayLike], shape: Sequence[int], *, bounds: npt.ArrayLike, times: npt.ArrayLike = ...,
                  channels: int = ..., name: Optional[str] = ..., unit: Optional[str] = ...) -> None: ...
-    def __getitem__(self, index: int) -> Floats: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int) -> npt.NDArray[Any]: ...
 
 class Lines:
     begin: npt.NDArray[np.float64]
@@ -188,7 +204,7 @@ class Scene:
     def picture(self, time: Optional[float] = ..., *, camera: Optional[Dict[str, Any]] = ..., size: Optional[Tuple[int, int]] = ...,
                 background: Optional[Point] = ..., exposure: Union[None, float, str] = ..., tone: Optional[str] = ..., samples: int = ...,
                 bloom: float = ..., colormap: Optional[str] = ..., legend: Optional[bool] = ..., shutter: float = ...,
-                progress: Progress = ...) -> npt.NDArray[np.uint8]: ...
+                renderer: str = ..., progress: Progress = ...) -> npt.NDArray[np.uint8]: ...
     def film(self, path: Path, *, frames: Optional[Tuple[int, int]] = ..., speed: float = ..., orbit: Optional[float] = ...,
              camera: Optional[Dict[str, Any]] = ..., size: Optional[Tuple[int, int]] = ..., background: Optional[Point] = ...,
              exposure: Union[None, float, str] = ..., tone: Optional[str] = ..., samples: int = ..., bloom: float = ...,
@@ -256,8 +272,10 @@ class Engine:
     def criteria(self) -> Dict[str, Tuple[float, str]]: ...
     @property
     def missing(self) -> Dict[str, str]: ...
+    @property
+    def remarks(self) -> List[str]: ...
     def sees(self, eyes: npt.ArrayLike, time: float, facing: Optional[npt.ArrayLike] = ...) -> npt.NDArray[np.void]: ...
-    def dose(self, ids: npt.ArrayLike, eyes: npt.ArrayLike, time: float) -> npt.NDArray[np.void]: ...
+    def dose(self, ids: npt.ArrayLike, eyes: npt.ArrayLike, time: float, worst: bool = ...) -> npt.NDArray[np.void]: ...
     def extinction(self, eyes: npt.ArrayLike, time: float) -> npt.NDArray[np.float64]: ...
     def walking_speed(self, eyes: npt.ArrayLike, time: float, clear: npt.ArrayLike = ..., law: str = ...) -> npt.NDArray[np.float64]: ...
 
@@ -279,6 +297,7 @@ class Reconstruction:
     name: str
     unit: str
     sigma: Optional[Union[Floats, Volume]]
+    basis: str
 
 def reconstruct(capture: Union[Path, Lines], output: Optional[Path] = ..., *, rms: float = ..., frames: Optional[Tuple[int, int]] = ...,
                 resolution: Union[None, int, Tuple[int, int, int]] = ..., bounds: Optional[npt.ArrayLike] = ...,
