@@ -2,6 +2,9 @@
 # SPDX-FileCopyrightText: The Volute authors
 """The Python package, as its users see it."""
 import ast
+import contextlib
+import datetime
+import gc
 import importlib.util
 import inspect
 import io
@@ -19,6 +22,7 @@ import threading
 import time
 import types
 import unittest
+import weakref
 
 import numpy as np
 
@@ -375,7 +379,11 @@ class Package(unittest.TestCase):
         eye, target = np.array([0.3, -1, 0.4]), np.array([1.1, 3.0, 1.3])
         inside = np.array([eye + (target - eye) * s for s in (0.25, 0.75)])  # where y is 0 and 2
         expected = (1 + inside.mean(0) @ [0.5, 0.25, 1.0]) * np.linalg.norm(inside[1] - inside[0])
-        self.assertAlmostEqual(sight.look(eye, target)["depth"][0], expected, 4)
+        # The mesh is not known where the line begins and ends.
+        seen = sight.look(eye, target)[0]
+        self.assertTrue(np.isnan(seen["depth"]) and np.isinf(seen["high"]) and not seen["covered"])
+        self.assertAlmostEqual(seen["low"], expected, 4)
+        self.assertAlmostEqual(sight.look(eye + (target - eye) * 0.25001, eye + (target - eye) * 0.74999)["depth"][0], expected, 3)
         view = dict(camera={"eye": [5, -4, 3], "target": [1, 1, 1], "fov": 40}, size=(48, 36), samples=1)
         for cells in (cubes, {"hexahedron": cubes[:13], "tetra": tets[(np.arange(len(tets)) % 27) >= 13]}):
             mesh = volute.Mesh(points, cells, {"smoke": smoke.astype(np.float32)})
@@ -390,7 +398,7 @@ class Package(unittest.TestCase):
         mesh = volute.Mesh(points, cubes, cell_fields={"smoke": np.stack([np.ones(27), 2 * np.ones(27)])}, times=[1.0, 2.5])
         scene = volute.Scene({"format": "volute-scene-1", "camera": view["camera"], "media": [{"case": mesh, **said}, {"file": self.values[:2]}]})
         np.testing.assert_array_equal(scene.times[:2], [0, 0.04])
-        looked = [volute.Sight(mesh, **said).look([1, -1, 1], [1, 3, 1], time)["depth"][0] for time in (0, 1)]
+        looked = [volute.Sight(mesh, **said).look([1, -1, 1], [1, 3, 1], time)["low"][0] for time in (0, 1)]
         np.testing.assert_allclose(looked, [2, 4], rtol=1e-5)
         np.testing.assert_array_equal(pickle.loads(pickle.dumps(scene)).picture(2.5, size=(48, 36)), scene.picture(2.5, size=(48, 36)))
         # Temperature serves doses, as that of a file does.
@@ -705,6 +713,7 @@ time.sleep(float(sys.argv[2]))
         scene = volute.Scene(self.file, extinction=1.0, emission=0.5)
         for name, call in [("render", lambda: scene.render(3.0, size=(6000, 6000), renderer="reference")),
                            ("reconstruct", lambda: volute.reconstruct(capture, resolution=(160, 160, 160), iterations=500)),
+                           ("look", lambda: volute.Sight(self.file, extinction=1.0).look(np.random.default_rng(1).random((4_000_000, 3)), [2, 2, 2])),
                            ("read", lambda: [np.asarray(volute.open(self.file, cache=0)) for _ in range(100000)])]:
             timer = threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT))
             began = time.monotonic()
@@ -975,7 +984,7 @@ time.sleep(float(sys.argv[2]))
         copy = pickle.dumps(own)
         line = [0.1, 0.1, -1], [0.6, 0.6, 2]
         for field in ("soot", "thick"):
-            looked = [volute.Sight(mesh, quantity="extinction", field=field).look(*line)["depth"][0] for mesh in (own, grid, pickle.loads(copy))]
+            looked = [volute.Sight(mesh, quantity="extinction", field=field).look(*line)["low"][0] for mesh in (own, grid, pickle.loads(copy))]
             self.assertGreater(looked[0], 0)
             self.assertEqual(looked, 3 * looked[:1])
 
@@ -1541,6 +1550,248 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         colour.SetFileName(str(self.path / "colour.volute"))
         colour.Update()
         self.assertEqual(colour.GetOutputDataObject(0).GetCellData().GetScalars().GetNumberOfComponents(), 3)
+
+    # ---- what a caller gives is taken as it is meant, or refused
+
+    def test_functions_of_doubles_state_their_rounding(self):
+        bounds = ((0, 0, 0), (8, 8, 8))
+        function = volute.Function(lambda x, y, z, t: 2e6 + 0.01 * x, (8, 8, 8), bounds=bounds)
+        self.assertEqual((function[0].dtype, len(function)), (np.float64, 1))
+        self.assertIn("1 frame of 8 x 8 x 8 voxels", repr(function))
+        v = volute.compress(function, self.path / "far.volute", max_error=1e-3).open()
+        truth = np.broadcast_to(2e6 + 0.01 * (np.arange(8) + 0.5), (8, 8, 8))
+        self.assertLessEqual(abs(v[0] - truth).max(), v.max_error)
+        self.assertLessEqual(v.max_error, 1e-3)
+        with self.assertRaisesRegex(ValueError, "the first below the second"):
+            volute.Function(lambda x, y, z, t: x, (2, 2, 2), bounds=bounds[::-1])
+
+    def test_times_are_seconds(self):
+        array, bounds = np.ones((3, 4, 4, 4)), ((0, 0, 0), (1, 1, 1))
+        file = self.path / "times.volute"
+        for unit in ("ns", "us", "ms", "s"):
+            times = np.array([0, 1500, 2500], "m8[ms]").astype(f"m8[{unit}]") if unit != "s" else np.array([0, 1, 2], "m8[s]")
+            expected = [0, 1.5, 2.5] if unit != "s" else [0, 1, 2]
+            self.assertEqual(volute.compress(array, file, times=times).open().times.tolist(), expected)
+            self.assertEqual(volute.Scene(array, bounds=bounds, times=times).times.tolist(), expected)
+            self.assertEqual(volute.Lines(np.zeros((3, 3)), np.ones((3, 3)), np.ones(3), time=times).times.tolist(), expected)
+        self.assertEqual(volute.compress(array, file, times=[datetime.timedelta(seconds=i) for i in range(3)]).open().times.tolist(), [0, 1, 2])
+        for times, said in ((np.array(["2024-01-01", "2024-01-02", "2024-01-03"], "M8[s]"), "differences of dates: times - times"),
+                            (np.arange(3) + 1j, "complex128"), (["0", "1", "2"], "seconds"), (np.arange(3)[:, np.newaxis], "shape"),
+                            (np.array([0, 1, 2], "m8"), "seconds"), (np.array([False, True, True]), "bool")):
+            for call in (lambda t: volute.compress(array, file, times=t), lambda t: volute.Scene(array, bounds=bounds, times=t),
+                         lambda t: volute.Lines(np.zeros((3, 3)), np.ones((3, 3)), np.ones(3), time=t)):
+                with self.assertRaises(TypeError) as raised:
+                    call(times)
+                self.assertRegex(str(raised.exception).replace("time:", "times:").replace("time - time", "times - times"), said)
+        with self.assertRaisesRegex(ValueError, "NaT"):
+            volute.compress(array, file, times=np.array([0, 1, "NaT"], "m8[s]"))
+        with self.assertRaisesRegex(TypeError, "expected a number"):
+            volute.render(array, np.timedelta64(1, "s"), bounds=bounds)
+
+    def test_frame_numbers_are_whole(self):
+        array = np.ones((2, 4, 4, 4))
+        for numbers, error in (([1.7, 2.2], TypeError), ([False, True], TypeError), (["1", "2"], TypeError), ([1, 2 ** 33], ValueError)):
+            with self.assertRaises(error):
+                volute.compress(array, self.path / "numbers.volute", frame_numbers=numbers)
+        names = [self.path / f"part_{number}.npy" for number in ("1.25", "1.50")]
+        for name in names:
+            np.save(name, array[0])
+        made = subprocess.run([COMMAND, "compress", self.path / "part_%d.npy", "-o", self.path / "parts.volute"], capture_output=True)
+        if made.returncode == 0 and volute.open(self.path / "parts.volute").frame_numbers.dtype.kind == "f":
+            again = volute.compress(volute.open(self.path / "parts.volute"), self.path / "again.volute").open()
+            np.testing.assert_array_equal(again.frame_numbers, [1.25, 1.5])
+
+    def test_bounds_are_two_corners(self):
+        array = np.ones((3, 4, 5))
+        for bounds in ([(0, 10), (0, 10), (12, 15)], [0, 0, 0, 1, 1, 1], [["0"] * 3, ["1"] * 3], [[False] * 3, [True] * 3], [[0, 0, 0], [1, 1, 1j]]):
+            for call in (lambda: volute.compress(array, self.path / "b.volute", bounds=bounds), lambda: volute.Sight(array, bounds=bounds, extinction=1.0),
+                         lambda: volute.resample(self.file, self.path / "b.volute", bounds=bounds)):
+                with self.assertRaisesRegex(ValueError, "expected numbers in the order"):
+                    call()
+        with self.assertRaisesRegex(volute.InvalidArgument, "the first below the second"):
+            volute.compress(array, self.path / "b.volute", bounds=((0, 0, 1), (1, 1, 0)))
+
+    def test_members_are_for_what_is_made(self):
+        sign = [{"name": "e", "position": [9, 5, 5], "normal": [-1, 0, 0]}]
+        bounds = ((0, 0, 0), (10, 10, 10))
+        sight = volute.Sight(np.ones((3, 4, 4, 4)), bounds=bounds, extinction=1.0)
+        for members in ({"extinction": 5.0}, {"nonsense": 3}, {"field": "a"}, {"max_memory": 1 << 20}):
+            with self.assertRaisesRegex(TypeError, f"{next(iter(members))}: a Sight is made with them"):
+                volute.visibility(sight, sign, [[1, 5, 5]], **members)
+        self.assertEqual(volute.visibility(sight, sign, [[1, 5, 5]], times=[0, 2]).times.tolist(), [0, 0.08])
+        for times in ([0.04, 0.08], np.array([False, True, True]), ["0"], 1.0):
+            with self.assertRaisesRegex(TypeError, "expected indices of stored times, whole numbers from 0 to 2; Sight.times"):
+                volute.visibility(sight, sign, [[1, 5, 5]], times=times)
+        for time in (-1, 3):
+            with self.assertRaisesRegex(volute.InvalidArgument, f"there is no stored time {time}; there are 3"):
+                sight.look([1, 5, 5], [9, 5, 5], time)
+        for time in (0.5, True, [0]):
+            with self.assertRaisesRegex(TypeError, "stored time"):
+                sight.look([1, 5, 5], [9, 5, 5], time)
+        with self.assertRaisesRegex(ValueError, "at most 1e.12 m"):
+            sight.look([-1e300, 5, 5], [1e300, 5, 5])
+
+    def test_remarks_on_units_are_told(self):
+        points, cells = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4.0]]), [[0, 1, 2, 3]]
+        mesh = volute.Mesh(points, cells, {"soot": np.full((2, 4), 13.0) * [[0], [1]]}, times=[0, 60])
+        said = {"field": "soot", "quantity": "soot-density"}
+        sign = [{"name": "e", "position": [2, 0.5, 0.5], "normal": [-1, 0, 0]}]
+        sight = volute.Sight(mesh, **said)
+        with self.assertLogs("volute", "INFO") as log:
+            volute.visibility(sight, sign, [[0.5, 0.5, 0.5]])
+        doubts = [one for one in log.records if one.levelname == "WARNING"]
+        self.assertEqual(len(doubts), 1)
+        self.assertIn("much for soot", doubts[0].getMessage())
+        self.assertEqual((doubts[0].code, doubts[0].hints), ("doubtful", []))
+        self.assertTrue(any("much for soot" in one for one in sight.remarks))
+        with self.assertNoLogs("volute", "INFO") if hasattr(self, "assertNoLogs") else contextlib.nullcontext():
+            sight.look([0.5, 0.5, 0.5], [1, 1, 1], 0)  # back in time, and told already
+        engine = volute.Engine(mesh, sign, **said)
+        with self.assertLogs("volute", "WARNING") as log:
+            engine.sees([[0.5, 0.5, 0.5]], 60.0)
+            engine.sees([[0.5, 0.5, 0.5]], 30.0)
+        self.assertEqual(len(log.records), 1)
+        self.assertTrue(any("much for soot" in one for one in engine.remarks))
+        # What takes light and is below 0 adds it.
+        values = np.ones((4, 4, 4))
+        values[0] = -3
+        camera = {"eye": [-1, 5, 5], "target": [5, 5, 5], "ortho": 0.1}
+        with self.assertLogs("volute", "WARNING") as log:
+            volute.render(values, bounds=((0, 0, 0), (10, 10, 10)), extinction=1.0, camera=camera, size=(1, 1))
+        self.assertIn("16 values are below 0, the smallest -3", log.output[0])
+
+    def test_a_reconstruction_keeps_its_basis(self):
+        found = volute.reconstruct(self.capture(), iterations=3)
+        self.assertEqual(found.basis, "trilinear")
+        small = volute.compress(found, self.path / "found.volute", rms=1e-5).open()
+        self.assertEqual(small.basis, "trilinear")
+        view = {"size": (32, 24), "camera": {"eye": [3, -3, 2], "target": [0.9, 1, 1.2], "fov": 40}}
+        time = float(found.times[0])
+        ours, of_file = volute.render(found, time, **view), volute.render(small, time, **view)
+        np.testing.assert_allclose(ours, of_file, atol=1e-3 * of_file.max())
+        lines = volute.Lines([[0, 0.5, 0.5], [0.5, 0, 0.5]], [[1, 0.5, 0.5], [0.5, 1, 0.5]], [1.0, 1.0])
+        self.assertEqual(volute.reconstruct(lines, bounds=((0, 0, 0), (1, 1, 1)), resolution=4, basis="trilinear").basis, "trilinear")
+
+    def test_an_open_case_is_shown_as_it_was_opened(self):
+        path = self.smoke_room()
+        source = next(iter(volute.fds.open(path).sources))
+        with volute.fds.open(path, source=source, mass_extinction=4350) as case:
+            line = [1, 1, 1], [6, 1, 1], 2
+            self.assertEqual(volute.Sight(case).look(*line), volute.Sight(path, field=source, mass_extinction=4350).look(*line))
+            scene = {"format": "volute-scene-2", "media": [{"case": case}]}
+            self.assertEqual(volute.Sight(scene).look(*line), volute.Sight(case).look(*line))
+        with self.assertRaisesRegex(ValueError, "closed"):
+            case[0]
+        with self.assertRaisesRegex(ValueError, "closed"):
+            iter(case)
+        for options in ({"mesh": 0}, {"bounds": ((0, 0, 0), (2, 2, 2))}):
+            for kind in (volute.Scene, volute.Sight):
+                with self.assertRaisesRegex(ValueError, f"opened with {next(iter(options))}; compress it first"):
+                    kind(volute.fds.open(path, **options))
+
+    def test_what_is_not_known_of_a_line(self):
+        seen = volute.Sight(self.smoke_room()).look([1, 1, 1], [20, 1, 1], 2)[0]
+        self.assertFalse(seen["covered"])
+        self.assertTrue(np.isnan(seen["depth"]) and np.isinf(seen["high"]))
+        self.assertAlmostEqual(seen["low"], 14, 3)
+
+    def test_a_damaged_file_states_no_error(self):
+        data = pathlib.Path(self.file).read_bytes()
+        with self.assertLogs("volute", "WARNING") as log:
+            v = volute.open(data[:2 * len(data) // 3], partial=True)
+        self.assertTrue(np.isnan([v.rms, v.max_error, v.grids["density"]["rms"]]).all())
+        self.assertRegex(v.damage, r"\d+ of \d+ parts of 'density' are intact")
+        self.assertEqual((log.records[0].code, log.records[0].getMessage()), ("damaged", v.damage))
+        self.assertIn("errors not known", repr(v))
+        whole = volute.open(self.file, partial=True)
+        self.assertIsNone(whole.damage)
+        self.assertLess(whole.rms, 1)
+        whole.close()
+        self.assertIn("closed", repr(whole))
+        with self.assertRaisesRegex(ValueError, "closed"):
+            iter(whole)
+
+    def test_pictures_are_srgb_as_bytes(self):
+        steps = np.arange(256, dtype=np.uint8).reshape(16, 16)
+        for values in (steps, np.stack([steps, steps[::-1], steps.T], axis=-1)):
+            volute.write_image(self.path / "steps.png", values)
+            np.testing.assert_array_equal(volute.to_srgb(volute.read_image(self.path / "steps.png")), values)
+        for call in (volute.to_srgb, lambda image: volute.write_image(self.path / "steps.png", image)):
+            for image in (steps.astype(int), steps.astype(complex), steps > 3):
+                with self.assertRaisesRegex(TypeError, "linear light as floats"):
+                    call(image)
+            with self.assertRaisesRegex(ValueError, "1 values that are no numbers"):
+                call(np.array([[0.5, np.nan]]))
+        with self.assertRaisesRegex(TypeError, "uint8 is sRGB"):
+            volute.to_srgb(steps)
+
+    def test_agents_are_whole_numbers_each_once(self):
+        engine = volute.Engine(self.smoke_room(), [{"name": "exit", "position": [7.9, 1.5, 2], "normal": [-1, 0, 0]}])
+        eyes = [[1, 1.5, 1.6], [4, 1.5, 1.6]]
+        with self.assertRaisesRegex(TypeError, "whole numbers"):
+            engine.dose([1.2, 2.7], eyes, 5)
+        with self.assertRaisesRegex(volute.InvalidArgument, "agent 7 is among the ids twice"):
+            engine.dose([7, 7], eyes, 5)
+
+    def test_times_that_nothing_has(self):
+        v = volute.open(self.file)  # 0 to 9.5 s, every 0.5 s
+        np.testing.assert_array_equal(v.at(9.9), self.decoded[19])
+        for time, said in ((-99, "-99 s is before the begin"), (99, "99 s is past the end")):
+            with self.assertRaisesRegex(ValueError, said):
+                v.at(time)
+            with self.assertRaisesRegex(ValueError, said):
+                volute.render(v, time, size=(8, 6), emission=1.0)
+
+    def test_errors_say_what_they_are_of(self):
+        with self.assertRaises(FileNotFoundError) as raised:
+            volute.open("nothing.volute")
+        error = raised.exception
+        self.assertEqual((error.code, error.filename, error.errno), ("not-found", "nothing.volute", 2))
+        self.assertIn("nothing.volute: cannot open", str(error))
+        with self.assertRaises(OSError) as raised:
+            volute.compress(self.values[:1], self.path / "none" / "a.volute")
+        self.assertTrue(raised.exception.filename, str(raised.exception))
+        with self.assertRaises(volute.Truncated) as raised:
+            cut = self.path / "hint.volute"
+            cut.write_bytes(pathlib.Path(self.file).read_bytes()[:-40])
+            volute.open(cut)
+        self.assertEqual((raised.exception.code, raised.exception.path), ("truncated", str(cut)))
+        self.assertIn("partial", raised.exception.hint)
+        array, bounds = np.ones((2, 4, 4, 4)), ((0, 0, 0), (1, 1, 1))
+        for error, said, call in [(ValueError, "UTF-8", lambda: volute.compress(array, self.path / "e.volute", name="\udcff")),
+                                  (ValueError, "expected \\(r, g, b\\)", lambda: volute.render(array, bounds=bounds, background=(1, 1))),
+                                  (ValueError, "expected \\(width, height\\)", lambda: volute.render(array, bounds=bounds, size=(1, 1, 1))),
+                                  (ValueError, "max_memory=-1", lambda: volute.open(self.file, max_memory=-1)),
+                                  (ValueError, "max_memory=-1", lambda: volute.Scene(array, bounds=bounds, max_memory=-1)),
+                                  (TypeError, "grid=1: expected a name", lambda: volute.open(self.file, grid=1)),
+                                  (ValueError, "NUL", lambda: volute.open("a\0b.volute")), (ValueError, "NUL", lambda: volute.Scene("a\0b.json")),
+                                  (ValueError, "NUL", lambda: volute.write_image("a\0b.png", np.ones((2, 2)))),
+                                  (FileNotFoundError, "nothing", lambda: volute.read_image(b"nothing.png")),
+                                  (FileNotFoundError, "nothing", lambda: volute.Scene(b"nothing.json"))]:
+            with self.assertRaisesRegex(error, said):
+                call()
+        self.assertEqual(volute.compress(array, os.fsencode(self.path / "bytes.volute")).open().shape, array.shape)
+
+    def test_arrays_are_let_go_of(self):
+        bounds = ((0, 0, 0), (1, 1, 1))
+        for kind in (volute.Scene, volute.Sight):
+            array = np.ones((1, 8, 8, 8), np.float32)
+            kept = weakref.ref(array)
+            opened = kind(array, bounds=bounds, extinction=1.0)
+            del array
+            opened.close()
+            gc.collect()
+            self.assertIsNone(kept(), kind.__name__)
+        scene = volute.Scene({"format": "volute-scene-2", "media": [{"kind": "volume", "file": np.ones((1, 8, 8, 8)), "bounds": bounds}]})
+        kept = []
+        for _ in range(5):
+            array = np.ones((1, 8, 8, 8), np.float32)
+            kept.append(weakref.ref(array))
+            scene.change({"format": "volute-scene-2", "media": [{"kind": "volume", "file": array, "bounds": bounds}]})
+        del array
+        gc.collect()
+        self.assertEqual([one() is None for one in kept], [True] * 4 + [False])
+        self.assertEqual(scene.render(size=(8, 6)).shape, (6, 8, 3))
 
     def test_code_on_the_page(self):
         pages = {path.name: re.findall(r"^```python\n(.*?)^```", path.read_text(), re.S | re.M) for path in (SOURCE / "docs").rglob("*.md")}
