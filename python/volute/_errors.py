@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Exceptions of Volute, which are also of the corresponding Python types."""
+import contextlib
 import errno
 
 
@@ -18,6 +19,17 @@ class Error(Exception):
 class InvalidArgument(Error, ValueError):
     """An argument is invalid."""
     code = "invalid-argument"
+
+
+@contextlib.contextmanager
+def about(path):
+    """Errors of no other file are of this one."""
+    try:
+        yield
+    except Error as error:
+        if error.path is None:
+            error.path = path
+        raise
 
 
 class _OfSystem(Error):

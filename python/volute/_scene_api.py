@@ -13,7 +13,7 @@ import numpy as np
 from . import _vtk_values
 from ._arrays import corners, number, plain, unmasked, volume, whole
 from ._compress import compress
-from ._errors import InvalidArgument
+from ._errors import InvalidArgument, about
 from ._lines import Lines
 from ._mesh import Mesh
 from ._progress import Listener
@@ -419,7 +419,8 @@ def to_srgb(image):
 
 def read_image(path):
     """Linear float32 of a .png or .exr, shape (height, width, 3), or (height, width) of one channel; row 0 at the top."""
-    return _part().read_image(file_name(path))
+    with about(file_name(path)):
+        return _part().read_image(file_name(path))
 
 
 def write_image(path, image):

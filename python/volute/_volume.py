@@ -14,6 +14,7 @@ import zlib
 import numpy as np
 
 from . import _core
+from ._errors import about
 from ._progress import Listener
 
 BLOCK = _core.block
@@ -217,7 +218,8 @@ class Volume(Frames):
             raise TypeError(f"grid={grid!r}: expected a name")
         self._memory = _InMemory(path) if isinstance(path, (bytes, bytearray, memoryview)) or hasattr(path, "read") else None
         path = self._memory.path if self._memory else file_name(path)
-        self._file = _core.File(path, partial, max_memory, grid or "")
+        with about(path):
+            self._file = _core.File(path, partial, max_memory, grid or "")
         self._block = self._file.block_frames
         self._options = {"partial": partial, "max_memory": max_memory, "cache": cache}
         super().__init__(path, self._file.info)
@@ -459,6 +461,6 @@ def open(path, *, grid=None, partial=False, max_memory=4 * _GIB, cache=_GIB // 2
 
     path: its name; or its bytes, or a file object that is read to its end (from an archive, a web server).
     grid: one of several; default "density", else the first non-empty grid.
-    partial: decode the intact part of a damaged or truncated file, coarser; else damage is an error.
+    partial: decode the intact part of a damaged or truncated file, coarser, whose `damage` says what is missing; else damage is an error.
     max_memory: bytes allowed for the file's index. cache: bytes for frames read in order."""
     return Volume(path, grid=grid, partial=partial, max_memory=max_memory, cache=cache)

@@ -8,6 +8,7 @@ import numpy as np
 
 from . import _core
 from ._arrays import corners, number, whole
+from ._errors import about
 from ._volume import Frames, _Closed, file_name, size_of
 
 
@@ -20,7 +21,8 @@ class Case(Frames):
     def __init__(self, path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
         mass_extinction = number("mass_extinction", mass_extinction)
         mesh = None if mesh is None else whole("mesh", mesh)
-        self._case = _core.Fds(file_name(path), quantity, source, mass_extinction, mesh, corners(bounds), size_of("max_memory", max_memory))
+        with about(file_name(path)):
+            self._case = _core.Fds(file_name(path), quantity, source, mass_extinction, mesh, corners(bounds), size_of("max_memory", max_memory))
         self._options = {"quantity": quantity, "source": source, "mass_extinction": mass_extinction, "mesh": mesh, "bounds": bounds}
         super().__init__(file_name(path), self._case.info)
         self._lock = threading.Lock()
