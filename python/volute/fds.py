@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Results of the Fire Dynamics Simulator."""
-import os
 import threading
 
 import numpy as np
