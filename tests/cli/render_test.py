@@ -119,9 +119,10 @@ class Render(support.TestCase):
 
     def test_times_choose_the_frame_that_is_held(self):
         write_npy(self.path("t.npy"), (2, 1, 1, 1), [0.1, 0.9])
-        for time, value in (("0.039", 0.1), ("0.041", 0.9), ("-5", 0.1), ("0.079", 0.9)):
+        for time, value in (("0.039", 0.1), ("0.041", 0.9), ("0", 0.1), ("0.079", 0.9)):
             self.works("render", self.path("t.npy"), "-o", self.path("x.exr"), "--time", time, *self.AHEAD)
             self.assertAlmostEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], value, places=6)
+        self.assertIn("-5 s is before the begin", self.fails(2, "render", self.path("t.npy"), "-o", self.path("x.exr"), "--time", "-5", *self.AHEAD))
 
     def test_partial_that_changes_nothing_is_refused(self):
         words = ["--partial", "--size", "8x8"]
