@@ -107,7 +107,8 @@ struct CompressReport {
 /// memory, or, if that is too much and the source can be read by layers, some layers of it, for any
 /// number of frames. NaN and Inf are refused with frame and voxel. The bytes are the same for any
 /// number of threads and ranks. Rank 0 writes; the others need only the source, and space for their
-/// share in the target's folder or in that for temporary files. Collective.
+/// share in the target's folder or in that for temporary files. Values far from 0 keep the
+/// exactness of doubles where settleOffset(source) was called before. Collective.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress,
