@@ -5,9 +5,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/program.hpp"
+#include "volute/base/remark_log.hpp"
 #include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
 
@@ -100,6 +105,168 @@ TEST(OpenSight, ALayerGivesWayToATallerSourceWhereLinesLeaveIt) {
   EXPECT_EQ(sourceFor({2.5}), "mine");
   EXPECT_THAT(remarks, IsEmpty());
   mediumKinds().erase(mediumKinds().begin());
+}
+
+/// Even smoke in a box of one metre at a place along x, of which nothing is known beyond it.
+class Slab final : public SightField {
+ public:
+  Slab(double x, std::vector<double> times)
+      : bounds_{{x, 0, 0}, {x + 1, 1, 1}}, times_(std::move(times)) {}
+
+  std::string description() const override { return "slab"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  std::vector<Remark> remarksOn(double largest) const override {
+    return {Remark(fmt::format("up to {}", largest))};
+  }
+
+  std::optional<double> largestRead() const override { return bounds_.min.x(); }
+
+ protected:
+  Box3 ownBounds() const override { return bounds_; }
+
+  Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
+    return std::make_shared<const Snapshot>(bounds_, 0.1 * times_[time]);
+  }
+
+ private:
+  class Snapshot final : public BasicSightSnapshot {
+   public:
+    Snapshot(const Box3& bounds, double extinction) : bounds_(bounds), extinction_(extinction) {}
+
+    void look(std::span<const SightLine> lines, std::span<Sight> sights) const override {
+      for (std::size_t i = 0; i < lines.size(); ++i) {
+        const double length = lines[i].length();
+        const Interval in =
+            bounds_.intersect(lines[i].eye, (lines[i].target - lines[i].eye) / length)
+                .intersect({0, length});
+        const double depth = extinction_ * in.length();
+        sights[i] = {depth, 0.9 * depth, 1.1 * depth, in.length() > length - 1e-9, false};
+      }
+    }
+
+    void places(std::span<const Vec3> points, std::span<Place> places) const override {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        places[i] = bounds_.contains(points[i]) ? Place::kGas : Place::kOutside;
+    }
+
+    void extinction(std::span<const Vec3> points, std::span<double> out) const override {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        out[i] =
+            bounds_.contains(points[i]) ? extinction_ : std::numeric_limits<double>::quiet_NaN();
+      }
+    }
+
+   private:
+    Box3 bounds_;
+    double extinction_;
+  };
+
+  Box3 bounds_;
+  std::vector<double> times_;
+};
+
+class SlabMedium final : public SceneMedium {
+ public:
+  SlabMedium(double x, std::vector<double> times) : x_(x), times_(std::move(times)) {
+    info_.bounds = {{x, 0, 0}, {x + 1, 1, 1}};
+  }
+
+  Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest&, Progress&) override {
+    return fail(ErrorCode::kUnsupported, "only pictures need this");
+  }
+
+  Result<std::unique_ptr<SightField>> sight(Reading&) override {
+    return std::make_unique<Slab>(x_, times_);
+  }
+
+ private:
+  double x_;
+  std::vector<double> times_;
+};
+
+class SlabKind final : public MediumKind {
+ public:
+  const FieldTable& fields() const override {
+    static const FieldTable kTable{.name = "slab"};
+    return kTable;
+  }
+
+  Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
+                                            MediumContext&) const override {
+    return std::make_shared<SlabMedium>(entry.at("x"), entry.at("times"));
+  }
+};
+
+class SightOfSeveral : public ::testing::Test {
+ protected:
+  SightOfSeveral() {
+    static const SlabKind kind;
+    registerUsualMedia();
+    mediumKinds().insert(mediumKinds().begin(), &kind);
+  }
+
+  ~SightOfSeveral() override { mediumKinds().erase(mediumKinds().begin()); }
+
+  Result<std::unique_ptr<SightField>> open(const std::string& members) {
+    std::ofstream(folder_ / "s.json") << R"({"format": "volute-scene-2", )" << members << "}";
+    return openSight((folder_ / "s.json").string(), {}, log_);
+  }
+
+  static Sight look(SightField& field, std::size_t time, const Vec3& eye, const Vec3& target) {
+    const SightLine line{eye, target};
+    Sight sight;
+    field.read(time).value()->look({&line, 1}, {&sight, 1});
+    return sight;
+  }
+
+  ScratchFolder folder_;
+  Progress quiet_;
+  RemarkLog log_{quiet_};
+};
+
+TEST_F(SightOfSeveral, IsTheSumWhereEachEndsWhereAnotherBegins) {
+  const auto opened = open(R"("media": [{"kind": "slab", "x": 0, "times": [0, 10, 20]},
+                                        {"kind": "slab", "x": 1, "times": [0, 5, 10, 15, 100]}])");
+  ASSERT_TRUE(opened) << opened.error().message;
+  SightField& field = **opened;
+  EXPECT_THAT(field.times(), ElementsAre(0, 10)) << "what is stored of both";
+  EXPECT_EQ(field.end(), 100) << "and nothing is known after 10 s";
+  EXPECT_THAT(field.remarks(), ElementsAre(::testing::Field(
+                                   &Remark::sentence, HasSubstr("the 2 times that all of its"))));
+  const Sight through = look(field, 1, {0.5, 0.5, 0.5}, {1.5, 0.5, 0.5});
+  EXPECT_TRUE(through.covered);
+  EXPECT_NEAR(through.depth, 1, 1e-9);
+  EXPECT_NEAR(through.low, 0.9, 1e-9);
+  EXPECT_NEAR(through.high, 1.1, 1e-9);
+  EXPECT_FALSE(look(field, 1, {0.5, 0.5, 0.5}, {2.5, 0.5, 0.5}).covered);
+  EXPECT_FALSE(look(field, 1, {-5, 0.5, 0.5}, {-4, 0.5, 0.5}).covered);
+  const Vec3 points[] = {{0.5, 0.5, 0.5}, {1.5, 0.5, 0.5}, {2.5, 0.5, 0.5}};
+  double extinction[3];
+  field.read(1).value()->extinction(points, extinction);
+  EXPECT_NEAR(extinction[0], 1, 1e-9);
+  EXPECT_NEAR(extinction[1], 1, 1e-9);
+  EXPECT_TRUE(std::isnan(extinction[2]));
+  EXPECT_THAT(field.remarksOn(1), ElementsAre(::testing::Field(&Remark::sentence, "up to 0"),
+                                              ::testing::Field(&Remark::sentence, "up to 1")));
+}
+
+TEST_F(SightOfSeveral, NeedsTimesInCommon) {
+  const auto opened = open(R"("media": [{"kind": "slab", "x": 0, "times": [0, 10]},
+                                        {"kind": "slab", "x": 1, "times": [3, 7]}])");
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("no time is stored by all of its media"));
+}
+
+TEST_F(SightOfSeveral, IsNotClipped) {
+  const auto opened = open(R"("media": [{"kind": "slab", "x": 0, "times": [10]},
+                                        {"kind": "slab", "x": 0, "times": [10]}],
+      "clip": [{"kind": "box", "min": [50, 50, 50], "max": [60, 60, 60]}])");
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_NEAR(look(**opened, 0, {0.2, 0.5, 0.5}, {0.7, 0.5, 0.5}).depth, 1, 1e-9);
+  EXPECT_THAT(log_.remarks(), ElementsAre(::testing::Field(&Remark::sentence,
+                                                           HasSubstr("its clip is for pictures"))));
 }
 
 // There is no class that passes on what a field says, and could forget some of it.
