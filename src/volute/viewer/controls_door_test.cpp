@@ -235,6 +235,48 @@ TEST_F(DoorControls, AFileThatVanishesOrIsHalfWrittenKeepsThePicture) {
   EXPECT_NE(app().settings().look.stops, 0);
 }
 
+TEST_F(DoorControls, WhatIsReadAgainKeepsUnsavedChanges) {
+  open("fog.json");
+  const auto mu = [&] { return valueOf("/media/0/mu").front(); };
+  const auto readAgain = [&](const std::string& name) {
+    const int opened = app().document().info()->opened;
+    std::filesystem::last_write_time(
+        folder_.path(name), std::filesystem::last_write_time(folder_.path(name)) + clock_++);
+    for (int i = 0; i < 8000 && app().document().info()->opened == opened; ++i) {
+      script_->frame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_GT(app().document().info()->opened, opened) << name;
+    load();
+  };
+  app().document().set(parameterAt("/media/0/mu"), {0.25});
+  load();
+  for (const std::string file : {"map.png", "fog.json"}) {
+    readAgain(file);
+    EXPECT_EQ(mu(), 0.25) << file;
+    EXPECT_TRUE(app().document().info()->changed && app().document().info()->canUndo) << file;
+    EXPECT_FALSE(app().document().info()->unsaved.empty()) << "what is recovered";
+  }
+  std::ifstream stream(folder_.path("fog.json"));
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  text.replace(text.find("\"mu\": 0.5"), 9, "\"mu\": 0.7");
+  std::ofstream(folder_.path("fog.json")) << text;
+  readAgain("fog.json");
+  EXPECT_EQ(mu(), 0.25) << "others wrote the scene";
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("fog.json has changed on disk"));
+  script_->press(Key::kS, true);
+  script_->frames(3);
+  ASSERT_TRUE(app().document().files().replacing()) << "what they wrote is not lost unasked";
+  ASSERT_TRUE(script_->click("keep"));
+  script_->press(Key::kZ, true);
+  load();
+  EXPECT_EQ(mu(), 0.7);
+  EXPECT_FALSE(app().document().info()->changed);
+  script_->press(Key::kY, true);
+  load();
+  EXPECT_EQ(mu(), 0.25);
+}
+
 TEST_F(DoorControls, TheAxesTurnTheCamera) {
   script_->input().width = 900, script_->input().height = 1500;
   open("blob.npy");

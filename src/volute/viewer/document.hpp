@@ -88,8 +88,9 @@ struct DocumentInfo {
   std::string sceneName{};  ///< where save() would go unless a person says otherwise
   bool editable = false;    ///< edit() works
   bool changed = false;     ///< it is no longer what its file, or the last one that was saved, says
-  std::string unsaved{};    ///< then the scene, as a file anywhere has it
-  bool canUndo = false, canRedo = false;                    ///< what set() and edit() did
+  bool overwritten = false;               ///< others have written the file since it was read
+  std::string unsaved{};                  ///< then the scene, as a file anywhere has it
+  bool canUndo = false, canRedo = false;  ///< what set() and edit() did
   std::uint64_t snapshotMemory = std::uint64_t{256} << 20;  ///< for snapshots that are kept [bytes]
   std::string path{};                                       ///< as it was opened
   std::string files{};  ///< stands for its files as they were read
@@ -107,6 +108,14 @@ class Document {
 
   /// To be watched, whether they are there or not.
   virtual std::vector<std::filesystem::path> files() const = 0;
+
+  /// Goes on with what was done to `before`, the same file as it was read earlier: unsaved changes,
+  /// and what can be undone. Says in a sentence where that is not what the file says now, else
+  /// nothing. An error: the files no longer hold what `before` shows of them.
+  [[nodiscard]] virtual Result<std::string> goOnFrom(const Document& before, Progress& progress) {
+    (void)before, (void)progress;
+    return "";
+  }
 
   /// Whether check() has nothing to look for.
   virtual bool checked() const { return true; }

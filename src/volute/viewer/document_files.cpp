@@ -39,7 +39,8 @@ void DocumentFiles::browse(const std::filesystem::path& folder) {
 
 bool DocumentFiles::mayWrite(const std::string& target, std::function<void()> then) {
   std::error_code unknown;
-  if (target == open_ || allowed_.contains(target) || !std::filesystem::exists(target, unknown)) {
+  if ((target == open_ && !overwritten_) || allowed_.contains(target) ||
+      !std::filesystem::exists(target, unknown)) {
     allowed_.insert(target);
     return true;
   }

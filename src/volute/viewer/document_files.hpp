@@ -40,8 +40,14 @@ class DocumentFiles {
   DocumentFiles(const std::filesystem::path& recent, bool desktop)
       : desktop_(desktop), recent_(recent) {}
 
-  /// What is open: it may be written, and others are looked for beside it.
-  void setOpen(const std::string& path) { open_ = path; }
+  /// What is open: others are looked for beside it, and it may be written, unless somebody else
+  /// wrote it meanwhile.
+  void setOpen(const std::string& path, bool overwritten) {
+    open_ = path;
+    overwritten_ = overwritten;
+    if (overwritten)
+      allowed_.erase(path);
+  }
 
   /// Lets the person choose a file, by the desktop's dialog or by the list.
   void askToOpen(Purpose purpose = Purpose::kOpen);
@@ -92,6 +98,7 @@ class DocumentFiles {
  private:
   bool desktop_ = false;
   std::string open_;
+  bool overwritten_ = false;
   Purpose purpose_ = Purpose::kOpen;
   std::optional<MovedFile> moved_, sought_;
   std::set<std::string> allowed_;

@@ -85,6 +85,7 @@ void Loader::noteRequests() {
 void Loader::open(std::string path, std::optional<double> time) {
   const std::lock_guard lock(mutex_);
   wantedPath_ = std::move(path);
+  again_ = false;
   wantedTime_ = time;
   noteRequests();
 }
@@ -259,6 +260,7 @@ void Loader::work() {
     if (!changed || wantedPath_)
       continue;
     wantedPath_ = path_;
+    again_ = true;
     wantedTime_ = wantedTime_.value_or(time_);
     noteRequests();
   }
@@ -270,7 +272,8 @@ void Loader::serve(std::unique_lock<std::mutex>& lock) {
   auto time = std::exchange(wantedTime_, std::nullopt);
   auto changes = std::exchange(wantedChanges_, {});
   const auto isFreeze = [](const auto& change) { return !change.second; };
-  if (path) {  // they were meant for what is open still
+  const bool again = path && again_;
+  if (path && !again) {  // they were meant for what is open still
     const auto last = std::find_if(changes.rbegin(), changes.rend(), isFreeze);
     changes.erase(last.base(), changes.end());
   }
@@ -285,7 +288,7 @@ void Loader::serve(std::unique_lock<std::mutex>& lock) {
   noteRequests();
   lock.unlock();
   for (const auto& [key, what] : changes) changeNow(what);
-  const bool opened = !path || openNow(*path);
+  const bool opened = !path || openNow(*path, again);
   if (path && opened && document_ && !time)
     time = firstTime_;
   if (opened && time && document_ && !overtaken_)
@@ -445,7 +448,7 @@ DocumentInfo Loader::describe() const {
 }
 
 /// False, with the error noted, when it stays with what was open.
-bool Loader::openNow(const std::string& path) {
+bool Loader::openNow(const std::string& path, bool again) {
   Reporter reporter(*this);
   reporter.report("opening", 0, 0);
   // Whatever is wrong with a file that was open, it is tried again when one of its parts changes.
@@ -454,6 +457,11 @@ bool Loader::openNow(const std::string& path) {
     files = document_->files();
   watched_ = look(files);
   auto document = open_(path, reporter);
+  auto goesOn = Result<std::string>("");
+  if (document && document_ && again)
+    goesOn = (*document)->goOnFrom(*document_, reporter);
+  if (!goesOn)
+    document = tl::unexpected<Error>(goesOn.error());
   std::optional<DocumentInfo> info;
   std::uint64_t memory = 0;
   if (document) {
@@ -475,6 +483,8 @@ bool Loader::openNow(const std::string& path) {
     return false;
   }
   state_.error.reset();
+  if (!goesOn->empty())
+    state_.message = *std::move(goesOn);
   ring_.setLimit(memory);
   opened_.swap(info);
   loaded_.swap(before);

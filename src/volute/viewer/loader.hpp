@@ -58,8 +58,8 @@ using DocumentChange = std::function<Result<std::string>(Document&, Progress&)>;
 
 /// Opens documents and their snapshots in a thread of its own, so that the picture never waits.
 /// Requests that are overtaken by newer ones are dropped, the one that runs is cancelled. Opens the
-/// same file again if one of its files changes on disk; looks every half second, between two
-/// requests.
+/// same file again if one of its files changes on disk, with what was changed of it; looks every
+/// half second, between two requests.
 class Loader {
  public:
   explicit Loader(OpenDocument open);
@@ -125,7 +125,7 @@ class Loader {
 
   void work();
   void serve(std::unique_lock<std::mutex>& lock);
-  bool openNow(const std::string& path);
+  bool openNow(const std::string& path, bool again);
   void loadNow(double time);
   void changeNow(const DocumentChange& what);
   void checkNow(std::unique_lock<std::mutex>& lock);
@@ -173,6 +173,7 @@ class Loader {
   std::atomic<int> changes_ = 0;
   bool unchecked_ = false;  ///< the document has still to look for damage
   std::optional<std::string> wantedPath_;
+  bool again_ = false;  ///< it is what is open, which has changed on disk
   std::optional<double> wantedTime_;
   /// By their keys; one without a function is a freeze().
   std::vector<std::pair<std::string, DocumentChange>> wantedChanges_;

@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/read_text.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/lighting/light_memory.hpp"
@@ -94,11 +95,13 @@ Result<std::unique_ptr<Document>> SceneDocument::open(const std::string& path,
   scene.files.lightMemory = std::make_shared<LightMemory>(kLightBytes);
   if (path == options.file)
     scene.members = options.members;
+  const auto onDisk = isScenePath(path) ? readText(path) : Result<std::string>("");
   RemarkLog remarkLog(progress);
   VOLUTE_ASSIGN(auto opened, Scene::open(path, scene, remarkLog));
   if (options.beginAt && path == options.file)
     VOLUTE_TRY(checkSceneTime(opened, *options.beginAt));
   std::unique_ptr<SceneDocument> document(new SceneDocument(path, std::move(opened), options));
+  document->onDisk_ = onDisk.value_or("");
   document->sceneRemarks_ = remarkLog.sentences();
   for (const auto& medium : document->scene_.media()) {
     for (const Remark& remark : medium->remarks)
@@ -140,6 +143,31 @@ std::vector<std::string> SceneDocument::remarks() const {
     remarks.push_back(scene_.assumption());
   for (std::string& remark : remarks) remark = withoutPlace(std::move(remark), path_);
   return remarks;
+}
+
+/// Where the scene's file is another, what it says is the change before: Undo shows it.
+Result<std::string> SceneDocument::goOnFrom(const Document& before, Progress& progress) {
+  const auto* other = dynamic_cast<const SceneDocument*>(&before);
+  if (!other || other->path_ != path_)
+    return "";
+  const bool same = onDisk_ == other->onDisk_;
+  const Json& theirs = other->scene_.json();
+  const bool unsaved = theirs != other->saved_;
+  if (!unsaved && (!same || (!other->history_.canUndo() && !other->history_.canRedo())))
+    return "";
+  Json read = scene_.json();
+  if (theirs != read)
+    VOLUTE_TRY(scene_.change(theirs, progress));
+  history_ = other->history_;
+  overwritten_ = !same || other->overwritten_;
+  if (same) {
+    saved_ = other->saved_;
+    return "";
+  }
+  history_.note(std::move(read), "");
+  return fmt::format(
+      "{} has changed on disk; your unsaved changes are kept, and Ctrl Z shows what the file says",
+      std::filesystem::path(path_).filename().string());
 }
 
 bool SceneDocument::checked() const {
@@ -226,6 +254,7 @@ DocumentInfo SceneDocument::info() const {
     moveAllNames(json, file_, "/nowhere/scene.json");
     info.unsaved = json.dump(2) + "\n";
   }
+  info.overwritten = overwritten_;
   info.canUndo = history_.canUndo();
   info.canRedo = history_.canRedo();
   info.snapshotMemory = options_.maxMemory / 4;
@@ -333,7 +362,12 @@ Status SceneDocument::save(const std::string& target, const StartView& view, con
     camera["fov"] = view.fov;
   json["view"] = toJson(look);
   moveAllNames(json, file_, target);
-  VOLUTE_TRY(writeFile(target, json.dump(2) + "\n"));
+  const std::string text = json.dump(2) + "\n";
+  VOLUTE_TRY(writeFile(target, text));
+  if (target == path_) {
+    onDisk_ = text;
+    overwritten_ = false;
+  }
   saved_ = scene_.json();
   return {};
 }

@@ -26,6 +26,7 @@ class SceneDocument final : public Document {
 
   DocumentInfo info() const override;
   std::vector<std::filesystem::path> files() const override;
+  Result<std::string> goOnFrom(const Document& before, Progress& progress) override;
   bool checked() const override;
   void check(Progress& progress) override;
   bool coarseHelps(double time) const override;
@@ -75,6 +76,8 @@ class SceneDocument final : public Document {
   std::optional<StartView> start_;
   std::optional<FirstSight> sight_;             ///< of what is no scene file
   nlohmann::ordered_json saved_;                ///< the scene, as a file has it
+  std::string onDisk_;                          ///< the scene's file as it was read or written
+  bool overwritten_ = false;                    ///< DocumentInfo::overwritten
   std::vector<std::string> sceneRemarks_;       ///< that no medium gave
   std::shared_ptr<const GlSurfaces> surfaces_;  ///< while nothing that lights them changes,
   TriangleScene surfacesOf_;                    ///< of this geometry

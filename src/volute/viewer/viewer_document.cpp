@@ -48,7 +48,7 @@ std::optional<DocumentNews> ViewerDocument::take() {
     news.another = !info_ || info_->opened != told->opened->opened;
     news.otherTimes = info_ && info_->times != told->opened->times;
     info_ = std::move(*told->opened);
-    files_.setOpen(info_->path);
+    files_.setOpen(info_->path, info_->overwritten);
     if (news.another) {
       scene_.reset();  // it is the last document's
       fields_.reset();
