@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/clipboard.hpp"
 
+#include <algorithm>
+
 #include "volute/viewer/imgui_spellings.hpp"
 
 namespace volute {
@@ -9,6 +11,8 @@ namespace volute {
 const char* Clipboard::get(Clipboard& own) {
   if (own.get_)
     own.text_ = own.get_();
+  if (imgui::editsNumber(*ImGui::GetCurrentContext()))
+    std::ranges::replace(own.text_, ',', '.');
   return own.text_.c_str();
 }
 

@@ -182,6 +182,18 @@ TEST_F(KeyControls, CtrlAndAClickWriteASlidersNumber) {
   EXPECT_EQ(app().settings().look.stops, 1.25);
 }
 
+TEST_F(KeyControls, ACommaIsADecimalPointInANumberOnly) {
+  script_->input().control = true;
+  ASSERT_TRUE(script_->click("exposure"));
+  script_->input().control = false;
+  script_->type("0,5");
+  script_->press(Key::kEnter);
+  EXPECT_EQ(app().settings().look.stops, 0.5);
+  ASSERT_TRUE(script_->click("scene", 0.3));
+  script_->type("0,5");
+  EXPECT_EQ(app().settings().sceneName, "0,5");
+}
+
 TEST_F(KeyControls, LettersInABoxAreText) {
   ASSERT_TRUE(script_->click("scene", 0.3));
   script_->input().typed = "mfh";

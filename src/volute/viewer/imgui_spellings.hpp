@@ -88,6 +88,11 @@ inline bool lastItemIsDisabled(const ImGuiContext& context) {
 #endif
 }
 
+/// Whether the number of a slider, or of one that is dragged, is being typed.
+inline bool editsNumber(const ImGuiContext& context) {
+  return context.ActiveId != 0 && context.ActiveId == context.TempInputId;
+}
+
 #if VOLUTE_HAS_FREETYPE
 /// Letters stand on whole pixels.
 inline void useFreeType(ImFontAtlas& fonts) {

@@ -48,8 +48,12 @@ void ViewerApp::feed(const ViewerInput& input) {
     const bool down = input.held.contains(key) || std::ranges::count(input.pressed, key) > 0;
     imgui::setKey(io, key, name, down);
   }
-  if (!input.typed.empty() && !input.control)
-    io.AddInputCharactersUTF8(input.typed.c_str());
+  if (input.typed.empty() || input.control)
+    return;
+  std::string typed = input.typed;
+  if (imgui::editsNumber(*ImGui::GetCurrentContext()))
+    std::ranges::replace(typed, ',', '.');
+  io.AddInputCharactersUTF8(typed.c_str());
 }
 
 /// Of what a panel's border cuts off, nothing can be clicked.
