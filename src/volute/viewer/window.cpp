@@ -194,14 +194,20 @@ class Window {
   }
 
   void listen() {
-    glfwSetKeyCallback(
-        window_, [](GLFWwindow* window, int code, int scancode, int action, int mods) {
-          const bool shift = mods & GLFW_MOD_SHIFT, control = mods & GLFW_MOD_CONTROL;
-          if (const auto key = keyOf(code, scancode))
-            of(window).queue_.key(*key, action != GLFW_RELEASE, shift, control);
-          else
-            of(window).queue_.modifiers(shift, control);
-        });
+    glfwSetKeyCallback(window_, [](GLFWwindow* window, int code, int scancode, int action,
+                                   int mods) {
+      // X11 says of a modifier what was before it.
+      const auto holds = [&](int mod, int left, int right) {
+        const auto held = [&](int key) { return glfwGetKey(window, key) == GLFW_PRESS; };
+        return code == left || code == right ? held(left) || held(right) : (mods & mod) != 0;
+      };
+      const bool shift = holds(GLFW_MOD_SHIFT, GLFW_KEY_LEFT_SHIFT, GLFW_KEY_RIGHT_SHIFT);
+      const bool control = holds(GLFW_MOD_CONTROL, GLFW_KEY_LEFT_CONTROL, GLFW_KEY_RIGHT_CONTROL);
+      if (const auto key = keyOf(code, scancode))
+        of(window).queue_.key(*key, action != GLFW_RELEASE, shift, control);
+      else
+        of(window).queue_.modifiers(shift, control);
+    });
     glfwSetCharCallback(window_, [](GLFWwindow* window, unsigned code) {
       std::string text;
       appendUtf8(text, code);
@@ -295,7 +301,7 @@ Result<std::optional<ViewerRest>> runWindow(OpenDocument open, const ViewerStart
       app->showAgain(false);
       const Status written = writeImage(name, shownPicture(input.columns, input.rows));
       app->showAgain();
-      app->document().say(written ? name + " is written" : written.error().message);
+      app->document().say(written ? name + " is written" : written.error().message, !written);
     }
     if (app->window().takeReportRequest()) {
       app->showAgain(false);
