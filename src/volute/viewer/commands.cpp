@@ -116,6 +116,13 @@ void lookFrom(App& app, const In&) {
   app.view().lookFrom(sign * Vec3::Unit(axis));
 }
 
+void paintFog(App& app, const In&) {
+  if (!app.tools().painting.tool().has())
+    return app.document().say(tr("there is no map of fog to paint on"), true);
+  app.settings().panels = app.settings().painting = true;
+  app.settings().layout.set(SidePanel::kPaint, true);
+}
+
 void openScene(App& app, const In&) {
   app.settings().panels = true;
   app.settings().layout.set(SidePanel::kScene, true);
@@ -180,6 +187,7 @@ std::span<const ViewerCommand> viewerCommands() {
       {"full screen", "F11", [](App& app, const In&) { app.window().requestFullScreen(); }, Key::kF11},
       {"screenshot without panels: volute_0001.png ...", "F12", [](App& app, const In&) { app.window().requestScreenshot(); }, Key::kF12},
       {"write a report of what is shown: volute_0001.html ...", "Ctrl F12", [](App& app, const In&) { app.window().requestReport(); }, Key::kF12, true},
+      {"paint fog", "", paintFog},
       {"clip by a box", "", addToScene<SceneEdit::Kind::kAddClipBox>},
       {"clip by a plane", "", addToScene<SceneEdit::Kind::kAddClipPlane>},
       {"add a sign", "", addToScene<SceneEdit::Kind::kAddSign>},

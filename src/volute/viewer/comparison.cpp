@@ -2,9 +2,35 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/comparison.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "volute/scene/scene.hpp"
+#include "volute/viewer/language.hpp"
+
 namespace volute {
+namespace {
+
+/// Of a medium: "smoke" of "smoke: hall.pvd".
+std::string_view kindOf(const Parameter& parameter) {
+  return std::string_view(parameter.group).substr(0, parameter.group.find(':'));
+}
+
+/// Whether it is how the first medium looks, and not where it is or what is shown of it.
+bool isLook(const Parameter& parameter) {
+  const bool number =
+      parameter.kind == Parameter::Kind::kNumber || parameter.kind == Parameter::Kind::kColor;
+  return number && parameter.section.empty() && parameter.path.starts_with("/media/0/");
+}
+
+const Parameter* twinOf(const Parameter& parameter, const DocumentInfo& info) {
+  const auto found = std::ranges::find(info.parameters, parameter.path, &Parameter::path);
+  const bool same = found != info.parameters.end() && found->kind == parameter.kind &&
+                    kindOf(*found) == kindOf(parameter);
+  return same ? &*found : nullptr;
+}
+
+}  // namespace
 
 Status Comparison::begin(const std::string& path, const PictureMakers& makers) {
   VOLUTE_ASSIGN(auto picture, ViewPicture::create(makers));
@@ -18,7 +44,38 @@ void Comparison::end() {
   other_.reset();
 }
 
-void Comparison::update(const PictureRequest& request, double time) {
+/// Each would have a look of its own, in which all files are about as dense.
+void Comparison::giveLook(const DocumentInfo& first) {
+  ViewerDocument& document = other_->document;
+  if (isScenePath(path_) || path_ == first.path)
+    return;
+  for (const Parameter& parameter : first.parameters) {
+    const Parameter* twin = isLook(parameter) ? twinOf(parameter, *document.info()) : nullptr;
+    if (!twin || other_->look[parameter.path] == parameter.value)
+      continue;
+    other_->look[parameter.path] = parameter.value;
+    if (twin->value != parameter.value)
+      document.set(Parameter(*twin), parameter.value);
+  }
+}
+
+std::string Comparison::remark(const DocumentInfo& first) const {
+  const DocumentInfo* info = other_ ? other_->document.info() : nullptr;
+  if (!info || other_->document.changing())
+    return "";
+  bool twins = false;
+  for (const Parameter& parameter : first.parameters) {
+    if (!isLook(parameter))
+      continue;
+    const Parameter* twin = twinOf(parameter, *info);
+    if (twin && twin->value != parameter.value)
+      return fmt::format(fmt::runtime(tr("not drawn with the same {}")), tr(parameter.name));
+    twins = twins || twin;
+  }
+  return twins || path_ == first.path ? "" : tr("each is drawn with a look of its own");
+}
+
+void Comparison::update(const PictureRequest& request, double time, const DocumentInfo* first) {
   ViewerDocument& document = other_->document;
   ViewPicture& picture = other_->picture;
   if (const auto news = document.take()) {
@@ -27,6 +84,8 @@ void Comparison::update(const PictureRequest& request, double time) {
   }
   if (!document.info())
     return;
+  if (first && !document.opening())
+    giveLook(*first);
   if (!document.opening() && std::exchange(other_->requested, time) != time)
     document.loader().request(time);
   document.loader().setOpenGl(picture.mayUseGl(request.renderer));

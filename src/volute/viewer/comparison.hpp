@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -29,8 +30,19 @@ class Comparison {
   /// Why it cannot be shown; empty: it can.
   const std::string& error() const { return other_->document.error(); }
 
-  /// Draws the other file as the request says, at this time [s].
-  void update(const PictureRequest& request, double time);
+  /// Draws the other file as the request says, at this time [s], and, where it is no scene but of
+  /// the kind that `first` shows, with what that says of its look.
+  void update(const PictureRequest& request, double time, const DocumentInfo* first);
+
+  /// Why colours of both cannot be compared, as in a sentence; empty: they can.
+  std::string remark(const DocumentInfo& first) const;
+
+  ViewerDocument* document() { return other_ ? &other_->document : nullptr; }
+
+  /// Whether a place of the window, so many points wide, shows the other file.
+  bool isAt(double x, int width) const {
+    return other_ && mode == Mode::kWiper && x >= border * width;
+  }
 
   /// Whether there is nothing that it still has to load or draw.
   bool settled(const PictureRequest& request) const;
@@ -50,7 +62,10 @@ class Comparison {
     ViewerDocument document;
     ViewPicture picture;
     double requested = 0;
+    std::map<std::string, std::vector<double>> look{};  ///< that it was given, by paths
   };
+
+  void giveLook(const DocumentInfo& first);
 
   OpenDocument open_;
   std::string path_;

@@ -107,8 +107,7 @@ TEST_F(DoorControls, ChangesOfASceneAreNotLostUnasked) {
   EXPECT_EQ(titleOf(app()), "* fog.json - Volute");
   script_->close();
   script_->frames(3);
-  ASSERT_TRUE(script_->write("leave scene", folder_.path("kept.json")));
-  ASSERT_TRUE(script_->click("leave save"));
+  ASSERT_TRUE(script_->write("leave scene", folder_.path("kept.json")));  // with Enter: it saves
   load();
   EXPECT_TRUE(app().leaving().ends());
   std::ifstream kept(folder_.path("kept.json"));
@@ -275,6 +274,42 @@ TEST_F(DoorControls, WhatIsReadAgainKeepsUnsavedChanges) {
   script_->press(Key::kY, true);
   load();
   EXPECT_EQ(mu(), 0.25);
+}
+
+TEST_F(DoorControls, EnterSavesBeforeOneLeaves) {
+  open("fog.json");
+  app().document().set(parameterAt("/media/0/mu"), {0.25});
+  load();
+  app().settings().sceneName = folder_.path("entered.json");
+  script_->close();
+  script_->frames(3);
+  ASSERT_TRUE(app().leaving().asked());
+  script_->press(Key::kEnter);
+  load();
+  EXPECT_TRUE(app().leaving().ends());
+  EXPECT_TRUE(std::filesystem::exists(folder_.path("entered.json")));
+}
+
+TEST_F(DoorControls, ARestoredSceneHasItsName) {
+  std::filesystem::create_directories(folder_.path("unsaved"));
+  const Recovery recovery(folder_.path("unsaved"));
+  std::ifstream stream(folder_.path("fog.json"));
+  std::string text(std::istreambuf_iterator<char>(stream), {});
+  text.replace(text.find("map.png"), 7, folder_.path("map.png"));
+  const std::string kept = recovery.keepMended(text, folder_.path("fog.json"));
+  app().open(kept);
+  load();
+  ASSERT_EQ(app().document().error(), "");
+  EXPECT_EQ(titleOf(app()), "* fog.json (restored) - Volute");
+  EXPECT_THAT(app().document().info()->title, ::testing::StartsWith("fog.json (restored)"));
+}
+
+TEST_F(DoorControls, WhatCannotBeKeptIsToldOnce) {
+  std::ofstream(folder_.path("unsaved")) << "a file where the folder would be";
+  Recovery recovery(folder_.path("unsaved"));
+  EXPECT_FALSE(recovery.keep("{}", "scene.json"));
+  EXPECT_TRUE(recovery.keep("", ""));
+  EXPECT_TRUE(recovery.keep("{ }", "scene.json")) << "it was told";
 }
 
 TEST_F(DoorControls, TheAxesTurnTheCamera) {

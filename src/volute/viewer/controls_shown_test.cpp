@@ -298,6 +298,44 @@ TEST_F(ShownControls, AnotherFileIsComparedByABorderAndAsADifference) {
   EXPECT_THAT(app().document().info()->title, ::testing::HasSubstr("blob.npy")) << "opened";
 }
 
+TEST_F(ShownControls, AFileOfTheSameKindIsComparedInTheFirstOnesLook) {
+  VolumeInfo info;
+  info.frames = 1, info.x = info.y = info.z = 10;
+  info.fillDefaults();
+  for (const auto& [name, most] : {std::pair("thin.npy", 1.0F), std::pair("dense.npy", 5.0F)}) {
+    auto sink = NpySink::create(folder_.path(name), info);
+    ASSERT_TRUE(sink);
+    ASSERT_TRUE((*sink)->writeFrame(std::vector<float>(1000, most)));
+    ASSERT_TRUE((*sink)->finish());
+  }
+  ASSERT_NO_FATAL_FAILURE(
+      restart({}, {.file = folder_.path("thin.npy"), .members = {{"preset", "smoke"}}}));
+  open("thin.npy");
+  app().document().files().askToOpen(DocumentFiles::Purpose::kCompare);
+  app().takeFile(folder_.path("dense.npy"));
+  ASSERT_TRUE(script_->settle());
+  const auto depthAt = [&](double x) {
+    const double y = 0.5 * script_->input().height;
+    PointerTools& pointer = app().tools().pointer;
+    const bool other = app().comparison().isAt(x, script_->input().width);
+    const auto probe =
+        other ? pointer.probeOther(*app().comparison().document(), x, y) : pointer.probeAt(x, y);
+    return probe && !probe->media.empty() ? probe->media[0].extinction : 0;
+  };
+  const double middle = 0.5 * script_->input().width;
+  const double first = depthAt(middle - 20), second = depthAt(middle + 20);
+  EXPECT_GT(first, 0);
+  EXPECT_NEAR(second / first, 5, 0.5) << "and the values are of the file under the pointer";
+  EXPECT_EQ(app().comparison().remark(*app().document().info()), "");
+  app().document().set(parameterAt("/media/0/extinction"), {0.1});
+  load();
+  ASSERT_TRUE(script_->settle());
+  EXPECT_NEAR(depthAt(middle + 20) / depthAt(middle - 20), 5, 0.5) << "it follows the first";
+  app().takeFile(folder_.path("smoke.vtu"));
+  ASSERT_TRUE(script_->settle());
+  EXPECT_NE(app().comparison().remark(*app().document().info()), "");
+}
+
 TEST_F(ShownControls, ASceneIsComparedWithWhatItsFileSays) {
   open("smoke.json");
   app().document().set(parameterAt("/media/0/C"), {5});
@@ -323,6 +361,23 @@ TEST_F(ShownControls, AFileToCompareWithThatIsNotThereIsNamed) {
   script_->settle();
   EXPECT_THAT(app().comparison().error(), ::testing::HasSubstr("gone.vtu"));
   EXPECT_EQ(app().document().error(), "");
+}
+
+TEST_F(ShownControls, PaintFogIsACommand) {
+  const auto paint = [&] {
+    script_->press(Key::kF3);
+    script_->frames(2);
+    ASSERT_TRUE(script_->click("search"));
+    script_->type("paint fog");
+    script_->press(Key::kEnter);
+  };
+  open("blob.npy");
+  ASSERT_NO_FATAL_FAILURE(paint());
+  EXPECT_FALSE(app().settings().painting);
+  EXPECT_TRUE(app().document().saysFailure());
+  open("fog.json");
+  ASSERT_NO_FATAL_FAILURE(paint());
+  EXPECT_TRUE(app().settings().painting);
 }
 
 TEST_F(ShownControls, EveryCommandIsFoundByItsWords) {

@@ -67,9 +67,11 @@ struct SceneRequest {
 
 /// What an open document says of itself: the loader takes it whenever the document has changed.
 struct DocumentInfo {
-  std::string title;                 ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
-  Box3 bounds;                       ///< finite [m]
-  std::vector<double> times{0.0};    ///< [s] when frames begin; one at least
+  std::string title;               ///< "fire.volute, 64 x 64 x 64 voxels, 48 frames"
+  Box3 bounds;                     ///< finite [m]
+  std::vector<double> times{0.0};  ///< [s] when frames begin; one at least
+  /// What a person calls each of the frames, where that is not their count.
+  std::vector<int> numbers{};
   Box3 content = bounds;             ///< around what there is to see, within `bounds` [m]
   double firstTime = times.front();  ///< when there is something to see [s]
   bool grey = false;                 ///< one channel: colour maps apply

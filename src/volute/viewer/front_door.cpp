@@ -39,7 +39,7 @@ void endQuestion(bool asked) {
 }
 
 void errorText(const std::string& text) {
-  ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+  ImGui::PushStyleColor(ImGuiCol_Text, kFailure);
   wrappedText(text);
   ImGui::PopStyleColor();
 }
@@ -202,10 +202,14 @@ void drawLeavePanel(ViewerApp& app, const ViewerInput& input) {
     ImGui::SetNextItemWidth(-1);
     nameBox("##target", map ? app.settings().mapName : app.settings().sceneName);
     app.window().mark(map ? "leave map" : "leave scene");
+    const bool enter = !app.settings().keyboard || ImGui::IsItemDeactivated();
     if (!app.document().error().empty())
       errorText(app.document().error());
     const bool waits = leaving->saving;
-    const bool saves = markedButton(app, waits ? "Saving" : "Save", "leave save", !waits);
+    const bool entered =
+        enter && !waits && !ImGui::IsWindowAppearing() && imgui::isPressed(ImGuiKey_Enter, false);
+    const bool saves =
+        markedButton(app, waits ? "Saving" : "Save", "leave save", !waits) || entered;
     ImGui::SameLine();
     const bool discards = markedButton(app, "Discard", "leave discard", !waits);
     ImGui::SameLine();

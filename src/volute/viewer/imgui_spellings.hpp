@@ -34,8 +34,8 @@ inline void feedAtOnce(ImGuiIO& io) {
   io.ConfigInputTrickleEventQueue = false;
 }
 
-inline bool isPressed(KeyName name) {
-  return ImGui::IsKeyPressed(name);
+inline bool isPressed(KeyName name, bool again = true) {
+  return ImGui::IsKeyPressed(name, again);
 }
 #else
 using KeyName = ImGuiKey_;
@@ -51,8 +51,9 @@ inline void setModifiers(ImGuiIO& io, bool shift, bool control) {
 
 inline void feedAtOnce(ImGuiIO&) {}
 
-inline bool isPressed(KeyName name) {
-  return ImGui::IsKeyPressed(ImGui::GetKeyIndex(name));
+/// @param again  a key that is held counts again and again
+inline bool isPressed(KeyName name, bool again = true) {
+  return ImGui::IsKeyPressed(ImGui::GetKeyIndex(name), again);
 }
 #endif
 

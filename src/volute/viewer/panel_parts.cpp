@@ -62,11 +62,7 @@ void styleControls() {
   colors[ImGuiCol_PlotLines] = colors[ImGuiCol_PlotHistogram] = {0.36F, 0.78F, 0.70F, 1};
 }
 
-namespace {
-
-/// With lines that end at spaces: by itself ImGui breaks "0.0015" behind its point.
-std::string inLines(const std::string& text) {
-  const float wide = ImGui::GetContentRegionAvail().x;
+std::string inLines(const std::string& text, float wide) {
   std::string lines;
   std::size_t line = 0;
   for (std::size_t begin = 0; begin <= text.size();) {
@@ -84,8 +80,6 @@ std::string inLines(const std::string& text) {
   return lines;
 }
 
-}  // namespace
-
 float contentRight() {
   return ImGui::GetCursorPosX() + ImGui::GetContentRegionAvail().x;
 }
@@ -94,7 +88,7 @@ void wrappedText(const std::string& text, bool faint) {
   ImGui::PushTextWrapPos(0);
   if (faint)
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-  ImGui::TextUnformatted(inLines(text).c_str());
+  ImGui::TextUnformatted(inLines(text, ImGui::GetContentRegionAvail().x).c_str());
   if (faint)
     ImGui::PopStyleColor();
   ImGui::PopTextWrapPos();

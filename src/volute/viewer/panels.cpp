@@ -37,8 +37,11 @@ std::vector<PanelNotice> noticesOf(ViewerApp& app) {
 std::vector<PanelNotice> alertsOf(ViewerApp& app) {
   using enum PanelNotice::Kind;
   std::vector<PanelNotice> all;
+  const bool welcomes = !app.document().info() && !app.view().picture().shown() &&
+                        !app.document().loading().busy && !app.document().files().asks();
   for (const std::string& error :
-       {app.document().error(), app.playback().filmFailure(), app.view().toneError(),
+       {welcomes ? std::string() : app.document().error(), app.playback().filmFailure(),
+        app.view().toneError(),
         app.comparison().active() ? app.comparison().error() : std::string()}) {
     if (!error.empty())
       all.push_back({kError, error});
@@ -82,7 +85,7 @@ void keepNotices(ViewerApp& app, const ViewerInput& input) {
 void drawNotice(const PanelNotice& notice) {
   const bool error = notice.kind == PanelNotice::Kind::kError;
   if (error)
-    ImGui::PushStyleColor(ImGuiCol_Text, {1, 0.5F, 0.4F, 1});
+    ImGui::PushStyleColor(ImGuiCol_Text, kFailure);
   wrappedText(notice.text, notice.kind == PanelNotice::Kind::kFaint);
   if (error)
     ImGui::PopStyleColor();
@@ -241,6 +244,8 @@ void comparePart(ViewerApp& app) {
   }
   wrappedText(fmt::format(fmt::runtime(tr("compared with {}")),
                           std::filesystem::path(comparison.path()).filename().string()));
+  if (const std::string remark = comparison.remark(*app.document().info()); !remark.empty())
+    wrappedText(remark, true);
   int mode = static_cast<int>(comparison.mode);
   combo(app, "show", mode, {"border", "difference"});
   comparison.mode = static_cast<Comparison::Mode>(mode);
@@ -295,7 +300,7 @@ void savePart(ViewerApp& app) {
 void whoDraws(ViewerApp& app) {
   const FrameTimes& times = app.view().picture().times();
   if (times.cpu) {
-    wrappedText(fmt::format(fmt::runtime(tr("by the CPU: {}")), times.why), true);
+    wrappedText(fmt::format(fmt::runtime(tr("by the CPU: {}")), trName(times.why)), true);
     app.window().mark("who draws");
     return;
   }

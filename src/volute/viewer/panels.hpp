@@ -10,6 +10,9 @@
 
 namespace volute {
 
+/// The colour of what failed, as Dear ImGui packs it.
+constexpr unsigned kFailure = 0xFF6680FF;
+
 /// Dear ImGui's colours and distances [points].
 void styleControls();
 
@@ -53,6 +56,10 @@ std::size_t lettersIn(float width);
 
 /// Where the panel's contents end, from its left edge.
 float contentRight();
+
+/// A text in lines of this width [pixels] that end at spaces: by itself ImGui breaks "0.0015"
+/// behind its point.
+std::string inLines(const std::string& text, float wide);
 
 /// A line of text that breaks where the panel ends.
 void wrappedText(const std::string& text, bool faint = false);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <fstream>
+#include <utility>
 
 #include "volute/base/number_word.hpp"
 
@@ -29,25 +30,35 @@ bool isAlive(const std::filesystem::path& scene) {
   return ::kill(static_cast<pid_t>(process), 0) == 0 || errno != ESRCH;
 }
 
+bool writes(const std::filesystem::path& file, const std::string& text) {
+  std::ofstream stream(file);
+  stream << text << std::flush;
+  return stream.good();
+}
+
 }  // namespace
 
-void Recovery::keep(const std::string& scene, const std::string& name) {
+bool Recovery::keep(const std::string& scene, const std::string& name) {
   const auto now = std::chrono::steady_clock::now();
   if (folder_.empty() || scene == kept_ || (now < next_ && !scene.empty()))
-    return;
+    return true;
   const std::filesystem::path file = folder_ / (std::to_string(::getpid()) + ".json");
   kept_ = scene;
-  if (scene.empty())
-    return remove({file, ""});
+  if (scene.empty()) {
+    remove({file, ""});
+    return true;
+  }
   next_ = now + kEvery;
   std::error_code failed;
   std::filesystem::create_directories(folder_, failed);
   std::filesystem::permissions(folder_, std::filesystem::perms::owner_all, failed);
   // Not synced: that may take longer than a frame, and the machine itself seldom fails.
-  std::ofstream(nameBeside(file)) << name << "\n";
+  const bool named = writes(nameBeside(file), name + "\n");
   const std::filesystem::path fresh = std::filesystem::path(file).replace_extension(".new");
-  std::ofstream(fresh) << scene;
-  std::filesystem::rename(fresh, file, failed);
+  const bool written = named && writes(fresh, scene);
+  if (written)
+    std::filesystem::rename(fresh, file, failed);
+  return (written && !failed) || std::exchange(fails_, true);
 }
 
 std::string Recovery::keepMended(const std::string& scene, const std::string& name) const {

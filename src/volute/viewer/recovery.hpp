@@ -28,13 +28,16 @@ class Recovery {
     adopt("");
   }
 
+  const std::filesystem::path& folder() const { return folder_; }
+
   Recovery(const Recovery&) = delete;
   Recovery& operator=(const Recovery&) = delete;
 
-  /// Keeps the scene, unless it is kept already or the last one was kept just now.
+  /// Keeps the scene, unless it is kept already or the last one was kept just now. False, once,
+  /// where it cannot be written.
   /// @param scene  its JSON; empty: there is nothing unsaved
   /// @param name  that it would be saved under
-  void keep(const std::string& scene, const std::string& name);
+  bool keep(const std::string& scene, const std::string& name);
 
   /// Keeps a scene that was mended before it could be opened; returns its file.
   std::string keepMended(const std::string& scene, const std::string& name) const;
@@ -53,7 +56,8 @@ class Recovery {
 
  private:
   std::filesystem::path folder_;
-  std::string kept_;  ///< the scene
+  std::string kept_;    ///< the scene
+  bool fails_ = false;  ///< keep() was false
   std::filesystem::path adopted_;
   std::chrono::steady_clock::time_point next_{};
 };

@@ -141,8 +141,13 @@ std::vector<std::string> SceneDocument::remarks() const {
     for (const Remark& remark : medium->remarks) remarks.push_back(remark.sentence);
   if (!scene_.assumption().empty())
     remarks.push_back(scene_.assumption());
-  for (std::string& remark : remarks) remark = withoutPlace(std::move(remark), path_);
-  return remarks;
+  std::vector<std::string> all;  // a medium that is opened again after a change says all again
+  for (std::string& remark : remarks) {
+    remark = withoutPlace(std::move(remark), path_);
+    if (std::ranges::find(all, remark) == all.end())
+      all.push_back(std::move(remark));
+  }
+  return all;
 }
 
 /// Where the scene's file is another, what it says is the change before: Undo shows it.
@@ -187,7 +192,9 @@ void SceneDocument::check(Progress& progress) {
 }
 
 std::string SceneDocument::title() const {
-  const std::string name = std::filesystem::path(path_).filename().string();
+  const bool restored = Recovery::nameOf(path_).has_value();
+  const std::string name = std::filesystem::path(restored ? file_ : path_).filename().string() +
+                           (restored ? " (restored)" : "");
   const auto media = scene_.media();
   const bool damaged =
       std::ranges::any_of(media, [](const auto& medium) { return medium->damaged(); });
@@ -226,6 +233,13 @@ DocumentInfo SceneDocument::info() const {
   info.firstTime = sight_ ? sight_->time : info.times.front();
   info.grey = !media.empty() && scene_.geometry().empty() && scene_.description().signs.empty() &&
               all([](const auto& medium) { return medium.channels == 1; });
+  // From 0 or 1 on, without gaps, they say nothing.
+  if (media.size() == 1 && media[0]->info().numbers.size() == info.times.size()) {
+    const auto& numbers = media[0]->info().numbers;
+    const auto last = static_cast<std::size_t>(std::max(numbers.back(), 0));
+    if (numbers.front() > 1 || last >= numbers.size() + static_cast<std::size_t>(numbers.front()))
+      info.numbers = numbers;
+  }
   // Several media have 25 frames a second, each of which is one.
   info.interpolates =
       media.size() == 1 && (media[0]->info().interpolates || media[0]->info().moves);

@@ -137,7 +137,11 @@ void drawToast(ViewerApp& app, const FreeArea& free) {
   ImGui::SetNextWindowBgAlpha(0.92F);
   ImGui::Begin("Toast", nullptr, kPlain | ImGuiWindowFlags_NoInputs);
   ImGui::PushTextWrapPos(width - 20);
+  if (app.document().saysFailure())
+    ImGui::PushStyleColor(ImGuiCol_Text, kFailure);
   ImGui::TextUnformatted(text.c_str());
+  if (app.document().saysFailure())
+    ImGui::PopStyleColor();
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -167,37 +171,41 @@ void drawScaleBar(ViewerApp& app, const FreeArea& free, const ViewerInput& input
   for (const float end : {x, x + length}) list->AddLine({end, y - 4}, {end, y + 4}, kInk, 2);
 }
 
-/// The colours of a quantity, with its numbers, from `bottom` up; returns where it ends.
+/// The colours of a quantity, with its numbers, from `bottom` up; returns where it ends. Lower
+/// where there is little room.
 float drawColorBar(const ViewScene::Scale& scale, const FreeArea& free, float bottom) {
-  constexpr float kWide = 12, kHigh = 110, kSteps = 44;
+  constexpr float kWide = 12, kOther = 150, kSteps = 44;
+  const float high = std::clamp(free.bottom - free.top - kOther, 30.0F, 110.0F);
   const ColorScale& colors = scale.colors;
   const std::string most = fmt::format("{:.4g} {}", colors.most, colors.unit);
-  const std::string least = fmt::format("{:.4g}", colors.least);
+  const std::string least = fmt::format("{:.4g} {}", colors.least, colors.unit);
   const float line = ImGui::GetTextLineHeight();
-  const float text = std::max(ImGui::CalcTextSize(most.c_str()).x, 40.0F);
+  const float text =
+      std::max({ImGui::CalcTextSize(most.c_str()).x, ImGui::CalcTextSize(least.c_str()).x, 40.0F});
   const float wrap = std::max(text + kWide + 6, 150.0F);
-  const ImVec2 name = ImGui::CalcTextSize(scale.name.c_str(), nullptr, false, wrap);
+  const std::string lines = inLines(scale.name, wrap);
+  const ImVec2 name = ImGui::CalcTextSize(lines.c_str());
   const float width = std::max(name.x, text + kWide + 6), left = free.right - width - 8;
-  const float top = bottom - kHigh - 8, head = top - name.y - 6;
+  const float top = bottom - high - 8, head = top - name.y - 6;
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   list->AddRectFilled({left - 8, head - 6}, {free.right, bottom}, kShade, 6);
-  list->AddText(nullptr, 0, {left, head}, kInk, scale.name.c_str(), nullptr, wrap);
+  list->AddText({left, head}, kInk, lines.c_str());
   for (int i = 0; i < static_cast<int>(kSteps); ++i) {
     const Rgb color = displayColor(colors.map, 1 - (i + 0.5) / kSteps);
     const auto byte = [&](int c) { return static_cast<int>(255 * color[c]); };
-    const float y = top + kHigh * static_cast<float>(i) / kSteps;
-    list->AddRectFilled({left, y}, {left + kWide, y + kHigh / kSteps + 0.5F},
+    const float y = top + high * static_cast<float>(i) / kSteps;
+    list->AddRectFilled({left, y}, {left + kWide, y + high / kSteps + 0.5F},
                         IM_COL32(byte(0), byte(1), byte(2), 255));
   }
   list->AddText({left + kWide + 6, top - 2}, kInk, most.c_str());
-  list->AddText({left + kWide + 6, top + kHigh - line}, kInk, least.c_str());
+  list->AddText({left + kWide + 6, top + high - line}, kInk, least.c_str());
   return head - 14;
 }
 
 /// Wherever a colour is a number.
 void drawColorBars(ViewerApp& app, const FreeArea& free) {
   const ViewScene* scene = app.view().picture().scene();
-  if (!scene || !app.view().picture().shown() || free.bottom - free.top < 260)
+  if (!scene || !app.view().picture().shown())
     return;
   float bottom = free.bottom;
   for (const ViewScene::Scale& scale : scene->scales) bottom = drawColorBar(scale, free, bottom);
@@ -295,10 +303,10 @@ void drawGizmo(ViewerApp& app, const FreeArea& free) {
 }
 
 /// What all fields of the files are there, shown or not; while it plays they would be late.
-void drawFields(ViewerApp& app, const MediumProbe::Reading& probe) {
+void drawFields(ViewerApp& app, ViewerDocument& document, const MediumProbe::Reading& probe) {
   if (app.playback().timeline().playing())
     return;
-  const LoadedFields* read = app.document().fieldsAt(probe.inside);
+  const LoadedFields* read = document.fieldsAt(probe.inside);
   if (!read)
     return;
   if (!read->fields) {
@@ -321,10 +329,17 @@ void drawFields(ViewerApp& app, const MediumProbe::Reading& probe) {
 void drawProbe(ViewerApp& app, const ViewerInput& input) {
   if (!app.settings().probe || ImGui::GetIO().WantCaptureMouse || input.mouseX < 0)
     return;
-  const auto probe = app.tools().pointer.probeAt(input.mouseX, input.mouseY);
+  PointerTools& pointer = app.tools().pointer;
+  const bool other = app.comparison().isAt(input.mouseX, input.width);
+  ViewerDocument& document = other ? *app.comparison().document() : app.document();
+  const auto probe = other ? pointer.probeOther(document, input.mouseX, input.mouseY)
+                           : pointer.probeAt(input.mouseX, input.mouseY);
   if (!probe)
     return;
   ImGui::BeginTooltip();
+  if (app.comparison().active() && document.info())
+    ImGui::TextUnformatted(
+        std::filesystem::path(document.info()->path).filename().string().c_str());
   const Vec3& p = probe->place;
   ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
   ImGui::TextDisabled("%s",
@@ -333,7 +348,7 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
     ImGui::Separator();
     ImGui::TextUnformatted(medium.name.c_str());
     ImGui::Text(tr("extinction %.4g /m"), medium.extinction);
-    const PictureLaw law = app.view().picture().scene()->law;
+    const PictureLaw law = document.scene()->scene->law;
     if (medium.extinction > 0 && medium.name.starts_with("smoke"))
       ImGui::Text(tr("visibility %.3g m (C = %g)"), law.c * law.factor() / medium.extinction,
                   law.c);
@@ -342,7 +357,7 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
                   medium.emission[2]);
     ImGui::Text(tr("optical depth along the ray %.4g"), medium.opticalDepth);
   }
-  drawFields(app, *probe);
+  drawFields(app, document, *probe);
   ImGui::EndTooltip();
 }
 

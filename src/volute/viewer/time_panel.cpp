@@ -19,6 +19,8 @@ bool isWhole(ViewerApp& app, const ViewerInput& input) {
   return isWide(input) || app.settings().timeOpen || app.playback().film();
 }
 
+constexpr float kFilmSizes = 110;  ///< [points]
+
 void filmPart(ViewerApp& app, const ViewerInput& input) {
   if (const FilmExport* film = app.playback().film()) {
     // Elsewhere than "Make film": a click that comes too late makes no other one.
@@ -41,16 +43,21 @@ void filmPart(ViewerApp& app, const ViewerInput& input) {
     app.beginFilm(input);
   app.window().mark("Make film");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(150);
+  const bool leads = app.view().cameraPath().leads();
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const float others = kFilmSizes + ImGui::GetFrameHeight() + style.ItemInnerSpacing.x +
+                       ImGui::CalcTextSize(tr(leads ? "path" : "orbit")).x +
+                       2 * style.ItemSpacing.x;
+  ImGui::SetNextItemWidth(std::clamp(ImGui::GetContentRegionAvail().x - others, 40.0F, 150.0F));
   nameBox("##film", app.settings().filmName);
   app.window().mark("film");
   hint("a .mp4 or .webm of the loop's time range, from the current view, at this speed");
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(110);
+  ImGui::SetNextItemWidth(kFilmSizes);
   static const std::string kSizes[] = {"640 x 360", "1280 x 720", "1920 x 1080", "window"};
   choiceBox(app, "##size", "film size", kSizes, app.settings().filmSize);
   ImGui::SameLine();
-  if (app.view().cameraPath().leads()) {
+  if (leads) {
     ImGui::Checkbox(tr("path"), &app.settings().follows);
     app.window().mark("film path");
     hint("the camera goes along its keys, in films and while it plays: K sets one");
@@ -77,14 +84,21 @@ void stepPart(ViewerApp& app) {
   hint("one frame on");
 }
 
-/// "frame 3 of 48, 25 frames/s"; while it plays slower than that, how fast.
-std::string frameText(const Playback& playback) {
+/// "frame 3 of 48, 25 frames/s"; while it plays slower than that, how fast. Where frames are
+/// missing, what their file calls it.
+std::string frameText(const Playback& playback, const DocumentInfo& info) {
   const Timeline& timeline = playback.timeline();
-  const double rate = (timeline.frames() - 1) / (timeline.last() - timeline.first());
+  const double rate = timeline.rate();
+  const double mean = (timeline.frames() - 1) / (timeline.last() - timeline.first());
   const double shown = playback.shownRate() / timeline.speed();
+  const auto frame = static_cast<std::size_t>(timeline.frame());
+  const std::string number =
+      frame < info.numbers.size()
+          ? fmt::format(fmt::runtime(tr(" (number {})")), info.numbers[frame])
+          : "";
   const std::string whole =
-      fmt::format(fmt::runtime(tr("frame {} of {}, ")), timeline.frame() + 1, timeline.frames());
-  if (shown > 0 && shown < 0.9 * rate && rate < 60)
+      fmt::format(fmt::runtime(tr("frame {} of {}{}, ")), frame + 1, timeline.frames(), number);
+  if (shown > 0 && shown < 0.9 * std::min(rate, mean) && rate < 60)
     return whole + fmt::format(fmt::runtime(tr("{:.3g} of {:.3g} /s")), shown, rate);
   return whole + fmt::format("{:.3g} /s", rate);
 }
@@ -99,7 +113,7 @@ void speedPart(ViewerApp& app) {
   hint("1/8 to 8 times the file's own rate: Up, Down");
   ImGui::SameLine();
   ImGui::AlignTextToFramePadding();
-  ImGui::TextUnformatted(frameText(app.playback()).c_str());
+  ImGui::TextUnformatted(frameText(app.playback(), *app.document().info()).c_str());
   hint("the file's frames a second; while it plays slower, those that are shown");
 }
 

@@ -64,6 +64,16 @@ void Timeline::advance(double seconds) {
   time_ = begin + std::fmod(gone + seconds * speed_, length);
 }
 
+double Timeline::rate() const {
+  std::vector<double> each;
+  for (std::size_t i = 1; i < times_.size(); ++i) each.push_back(times_[i] - times_[i - 1]);
+  if (each.empty())
+    return 0;
+  const auto middle = each.begin() + std::ssize(each) / 2;
+  std::ranges::nth_element(each, middle);
+  return 1 / *middle;
+}
+
 double Timeline::endOf(int frame) const {
   const auto next = static_cast<std::size_t>(frame) + 1;
   return next < times_.size() ? times_[next] : 2 * last() - times_[times_.size() - 2];

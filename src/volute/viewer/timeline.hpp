@@ -71,6 +71,9 @@ class Timeline {
 
   int frames() const { return static_cast<int>(times_.size()); }
 
+  /// Frames a second, where there are no gaps between them.
+  double rate() const;
+
   /// Goes on by so many seconds of the clock on the wall.
   void advance(double seconds);
 

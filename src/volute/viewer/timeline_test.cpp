@@ -91,5 +91,13 @@ TEST(Timeline, OneFrameDoesNotPlay) {
   EXPECT_EQ(timeline.frames(), 1);
 }
 
+TEST(Timeline, TheRateIsThatOfFramesWithoutGaps) {
+  Timeline timeline;
+  timeline.setTimes({0.04, 0.08, 0.12, 0.2, 0.24, 0.36});
+  EXPECT_NEAR(timeline.rate(), 25, 1e-9);
+  timeline.setTimes({1});
+  EXPECT_EQ(timeline.rate(), 0);
+}
+
 }  // namespace
 }  // namespace volute

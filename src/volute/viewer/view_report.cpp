@@ -109,7 +109,12 @@ Status ReportJob::write() {
   VOLUTE_ASSIGN(const auto files, filesTable());
   auto picture = order_.target;
   picture.replace_extension(".picture.png");
-  VOLUTE_TRY(writeImage(picture, order_.picture));
+  if (const Status drawn = writeImage(picture, order_.picture); !drawn) {
+    Error why = drawn.error();  // nobody asked for that file
+    if (const auto at = why.message.find(picture.string()); at != std::string::npos)
+      why.message.replace(at, picture.string().size(), order_.target.string());
+    return tl::unexpected<Error>(std::move(why));
+  }
   const auto figure = htmlFigure(picture, document_.title);
   std::error_code none;
   std::filesystem::remove(picture, none);
@@ -161,8 +166,10 @@ void ViewReport::stop() {
 void ViewReport::update() {
   if (!job_ || !job_->done())
     return;
-  document_.say(job_->status() ? job_->target().filename().string() + " is written"
-                               : viewerText(job_->status().error()));
+  const Status& written = job_->status();
+  document_.say(
+      written ? job_->target().filename().string() + " is written" : viewerText(written.error()),
+      !written);
   job_.reset();
 }
 

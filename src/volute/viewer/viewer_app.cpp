@@ -93,8 +93,10 @@ std::string titleOf(ViewerApp& app) {
   if (!info)
     return "Volute";
   const bool unsaved = app.tools().painting.unsaved() || info->changed;
-  return (unsaved ? "* " : "") + std::filesystem::path(info->path).filename().string() +
-         " - Volute";
+  const bool restored = Recovery::nameOf(info->path).has_value();
+  return (unsaved ? "* " : "") +
+         std::filesystem::path(restored ? info->sceneName : info->path).filename().string() +
+         (restored ? fmt::format(" ({})", tr("restored")) : "") + " - Volute";
 }
 
 void ViewerApp::takeDocument(const DocumentNews& news, const ViewerInput& input) {
@@ -248,8 +250,13 @@ WorkNotes::Seen ViewerApp::seenWork() const {
   if (const ReportJob* job = report_.job())
     seen.report = job->share(), seen.reportLeft = job->secondsLeft();
   seen.shown = picture.shown();
-  seen.late = !moving_ && scene && picture.shown() &&
-              (picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
+  const double wanted = playback_.timeline().snapshotTime();
+  const bool failed = scene && document_.idle() && std::abs(scene->time - wanted) > 1e-9;
+  seen.late =
+      !moving_ && scene && picture.shown() &&
+      (failed || picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
+  if (failed && !document_.error().empty())
+    seen.lack = fmt::format(fmt::runtime(tr("the picture is of {:.4g} s")), scene->time);
   return seen;
 }
 
@@ -326,8 +333,13 @@ Result<bool> ViewerApp::frame(const ViewerInput& input) {
   if (const auto chosen = document_.files().takeChosen())
     takeFile(*chosen);
   takeLoaded(input);
-  if (document_.info())
-    recovery_.keep(document_.info()->unsaved, settings_.sceneName);
+  if (document_.info() && !recovery_.keep(document_.info()->unsaved, settings_.sceneName)) {
+    document_.say(
+        fmt::format(fmt::runtime(tr("{} cannot be written: unsaved changes are lost if the viewer "
+                                    "ends without asking")),
+                    recovery_.folder().string()),
+        true);
+  }
   report_.update();
   window_.notes().update(seenWork(), document_.message());
   usePanels(input);
@@ -335,7 +347,7 @@ Result<bool> ViewerApp::frame(const ViewerInput& input) {
     const Stopwatch watch(window_.costs().picture);
     view_.draw(request(input));
     if (comparison_.active())
-      comparison_.update(request(input), playback_.timeline().snapshotTime());
+      comparison_.update(request(input), playback_.timeline().snapshotTime(), document_.info());
   }
   glBindFramebuffer(GL_FRAMEBUFFER, static_cast<GLuint>(target));
   unseen_ += input.seconds;

@@ -46,6 +46,8 @@ class Blobs final : public Document {
   bool coarseHelps(double) const override { return true; }
 
   Result<ViewScene> sceneAt(const SceneRequest& request, Progress& progress) override {
+    if (broken && request.time > 0)
+      return fail(ErrorCode::kNotFound, "{}: it is gone", path.string());
     while (!request.coarse && held && !progress.cancelled())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ++scenes;
@@ -53,7 +55,7 @@ class Blobs final : public Document {
   }
 
   std::filesystem::path path;
-  static inline std::atomic<bool> held = false;
+  static inline std::atomic<bool> held = false, broken = false;
   static inline std::atomic<int> scenes = 0;
 };
 
@@ -72,7 +74,7 @@ class ViewerTest : public ::testing::Test {
     if (!made)
       GTEST_SKIP() << made.error().message;
     viewer_ = std::move(*made);
-    Blobs::held = false;
+    Blobs::held = Blobs::broken = false;
     Blobs::scenes = 0;
     path_ = ::testing::TempDir() + "blobs.txt";
     std::ofstream(path_) << "1";
@@ -203,6 +205,21 @@ TEST_F(ViewerTest, ReloadsAFileThatChanged) {
   }
   settle();
   EXPECT_GT(Blobs::scenes, before);
+}
+
+TEST_F(ViewerTest, APictureThatCannotFollowTheTimeIsNotUpToDate) {
+  app().open(path_);
+  settle();
+  Blobs::broken = true;
+  app().playback().timeline().seek(0.5);
+  const auto work = [&] { return app().window().notes().work(); };
+  for (int i = 0; i < 5000 && !work().stale; ++i) {
+    ASSERT_TRUE(viewer_->frame(input_));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(work().stale);
+  EXPECT_EQ(work().text, "the picture is of 0 s");
+  EXPECT_NE(app().document().error(), "");
 }
 
 TEST_F(ViewerTest, NothingComesToRestWhileTimePasses) {

@@ -38,7 +38,7 @@ std::optional<DocumentNews> ViewerDocument::take() {
   loading_ = std::move(told->state);
   setFailure(loading_.error ? loading_.error : sceneFailure_);
   if (loading_.message != lastMessage_)
-    message_ = lastMessage_ = loading_.message;
+    say(lastMessage_ = loading_.message);
   DocumentNews news{.idle = told->idle, .frozen = std::move(told->frozen)};
   if (news.idle)
     pending_.clear();

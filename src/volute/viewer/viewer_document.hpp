@@ -53,7 +53,14 @@ class ViewerDocument {
   /// A sentence about what was done last.
   const std::string& message() const { return message_; }
 
-  void say(std::string message) { message_ = std::move(message); }
+  /// @param failed  it was not done
+  void say(std::string message, bool failed = false) {
+    message_ = std::move(message);
+    failed_ = failed;
+  }
+
+  /// Whether message() is of something that failed.
+  bool saysFailure() const { return failed_; }
 
   /// Whether all that was asked of it is done.
   bool idle() const;
@@ -106,6 +113,7 @@ class ViewerDocument {
   std::optional<Error> failure_;
   std::optional<Error> sceneFailure_;  ///< why the scene that was loaded last cannot be shown
   std::string error_, message_, lastMessage_;
+  bool failed_ = false;                           ///< saysFailure()
   std::optional<std::optional<double>> opening_;  ///< at this time, if a person said so
   int changes_ = 0;
 };

@@ -74,10 +74,12 @@ GLuint FogPainting::plan() {
   return plan_.texture();
 }
 
-std::optional<MediumProbe::Reading> PointerTools::probeAt(double x, double y) {
-  if (!document_.scene() || !document_.info())
+std::optional<MediumProbe::Reading> PointerTools::probeIn(const ViewerDocument& document,
+                                                          MediumProbe& probe, double x,
+                                                          double y) const {
+  if (!document.scene() || !document.info())
     return std::nullopt;
-  return probe_.read(document_.scene()->scene, rayAt(x, y), document_.info()->bounds.size().norm());
+  return probe.read(document.scene()->scene, rayAt(x, y), document.info()->bounds.size().norm());
 }
 
 Vec3 PointerTools::placeUnder(double x, double y) const {

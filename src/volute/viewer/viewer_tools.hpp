@@ -59,7 +59,14 @@ class PointerTools {
   void setSize(int width, int height) { width_ = width, height_ = height; }
 
   /// What the media are under it; nothing where its ray meets none, and no surface.
-  std::optional<MediumProbe::Reading> probeAt(double x, double y);
+  std::optional<MediumProbe::Reading> probeAt(double x, double y) {
+    return probeIn(document_, probe_, x, y);
+  }
+
+  /// The same of what another file shows there.
+  std::optional<MediumProbe::Reading> probeOther(ViewerDocument& other, double x, double y) {
+    return probeIn(other, otherProbe_, x, y);
+  }
 
   /// A surface, else a place as far away as the pivot.
   Vec3 placeUnder(double x, double y) const;
@@ -94,10 +101,13 @@ class PointerTools {
     return view_.camera().camera(width_, height_).ray(x, y);
   }
 
+  std::optional<MediumProbe::Reading> probeIn(const ViewerDocument& document, MediumProbe& probe,
+                                              double x, double y) const;
+
   ViewerView& view_;
   ViewerDocument& document_;
   int width_ = 1, height_ = 1;
-  MediumProbe probe_;
+  MediumProbe probe_, otherProbe_;
   std::string placing_;
   std::vector<Vec3> ruler_;
 };

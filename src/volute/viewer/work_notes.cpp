@@ -52,6 +52,8 @@ void WorkNotes::update(const Seen& seen, const std::string& message) {
     work_.text = tr("writing the report") + timeLeft(seen.reportLeft.value_or(0));
     work_.share = *seen.report;
   }
+  if (work_.stale && work_.text.empty())
+    work_.text = seen.lack;
   if (message != toasted_) {
     toast_ = toasted_ = message;
     toastUntil_ = Clock::now() + kToast;

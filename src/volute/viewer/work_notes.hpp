@@ -31,6 +31,7 @@ class WorkNotes {
     std::optional<double> reportLeft{};  ///< [s]
     bool shown = false;                  ///< there is a picture
     bool late = false;                   ///< and it is of something else
+    std::string lack{};                  ///< what it is of, where nothing else can be shown
   };
 
   /// To be called in every frame.
