@@ -304,6 +304,45 @@ TEST_F(DoorControls, ARestoredSceneHasItsName) {
   EXPECT_THAT(app().document().info()->title, ::testing::StartsWith("fog.json (restored)"));
 }
 
+TEST_F(DoorControls, AFileOfAnotherKindIsToldOnceWithThoseThatAreShown) {
+  std::ofstream(folder_.path("notes.txt")) << "words";
+  app().open(folder_.path("notes.txt"));
+  load();
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr(".json, .volute, .vdb"));
+  EXPECT_TRUE(app().settings().alerts.empty()) << "the empty window says it";
+  EXPECT_TRUE(script_->has("Open a file"));
+}
+
+TEST_F(DoorControls, BlackSurfacesAreExplained) {
+  std::ofstream(folder_.path("dark.json")) << R"({"format": "volute-scene-2", "media": [],
+    "camera": {"eye": [-6, 2, 4], "target": [3, 3, 0], "fov": 50}, "background": [0.5, 0.5, 0.5],
+    "geometry": [{"file": "ground.obj"}]})";
+  open("dark.json");
+  ASSERT_TRUE(script_->settle());
+  script_->frames(2);
+  ASSERT_EQ(app().settings().alerts.size(), 1);
+  EXPECT_THAT(app().settings().alerts[0].text, ::testing::HasSubstr("the scene has no light"));
+  app().tools().pointer.add(SceneEdit::Kind::kAddAmbient);
+  load();
+  ASSERT_TRUE(script_->settle());
+  script_->frames(2);
+  EXPECT_TRUE(app().settings().alerts.empty());
+}
+
+TEST_F(DoorControls, ARemarkIsMadeOnceHoweverOftenAMediumIsChanged) {
+  std::ofstream(folder_.path("sunny.json")) << R"({"format": "volute-scene-2",
+    "media": [{"kind": "volume", "file": "blob.npy", "extinction": 1, "emission": 1}],
+    "lights": [{"kind": "sun", "direction": [0.4, 0.5, -0.6], "radiance": [2, 1.8, 1.5]}]})";
+  open("sunny.json");
+  const auto before = app().document().info()->remarks;
+  ASSERT_EQ(before.size(), 1);
+  for (const double emission : {2.0, 3.0, 4.0}) {
+    app().document().set(parameterAt("/media/0/emission"), {emission});
+    load();
+  }
+  EXPECT_EQ(app().document().info()->remarks, before);
+}
+
 TEST_F(DoorControls, WhatCannotBeKeptIsToldOnce) {
   std::ofstream(folder_.path("unsaved")) << "a file where the folder would be";
   Recovery recovery(folder_.path("unsaved"));

@@ -50,11 +50,15 @@ std::vector<std::string> commandFor(const std::filesystem::path& folder) {
   return {};
 }
 
+}  // namespace
+
+std::span<const std::string_view> knownExtensions() {
+  return kKnown;
+}
+
 bool isKnown(const std::filesystem::path& path) {
   return std::ranges::find(kKnown, extensionOf(path)) != std::end(kKnown);
 }
-
-}  // namespace
 
 std::unique_ptr<DesktopDialog> DesktopDialog::open(const std::filesystem::path& folder) {
   auto command = commandFor(folder);

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace volute {
@@ -37,6 +39,12 @@ struct FolderEntry {
   bool folder = false;
   bool known = false;  ///< the viewer opens files that are called so
 };
+
+/// Extensions of files that the viewer opens.
+std::span<const std::string_view> knownExtensions();
+
+/// Whether a file's name has one of them.
+bool isKnown(const std::filesystem::path& path);
 
 /// Folders first, then files that may be opened, then others, each by name; without hidden ones.
 /// What cannot be read has no entries. At most `most`.

@@ -2,8 +2,11 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/open_document.hpp"
 
+#include <fmt/ranges.h>
+
 #include "volute/capture/open_capture.hpp"
 #include "volute/viewer/capture_document.hpp"
+#include "volute/viewer/file_dialog.hpp"
 #include "volute/viewer/scene_document.hpp"
 
 namespace volute {
@@ -34,6 +37,14 @@ OpenDocument documentOpener(DocumentOptions options) {
     VOLUTE_ASSIGN(const bool capture, isCapture(path));
     auto document = capture ? openCaptureAt(path, options, progress)
                             : SceneDocument::open(path, options, progress);
+    std::error_code unknown;
+    if (!document && document.error().code == ErrorCode::kUnsupported && !isKnown(path) &&
+        std::filesystem::is_regular_file(path, unknown)) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: files of this kind cannot be shown; expected {}, or a folder of numbered "
+                  "frames",
+                  path, fmt::join(knownExtensions(), ", "));
+    }
     if (document && path == options.file)
       options.beginAt.reset();  // when it is read again, fewer frames may be left
     return document;

@@ -46,22 +46,30 @@ std::vector<PanelNotice> alertsOf(ViewerApp& app) {
     if (!error.empty())
       all.push_back({kError, error});
   }
-  if (!app.view().blank())
-    return all;
   const DocumentInfo* document = app.document().info();
   const ViewScene* scene = app.view().picture().scene();
   const auto isLight = [](const Parameter& parameter) {
     return parameter.path.starts_with("/lights/");
   };
   const bool dark = document && document->editable && scene &&
-                    std::ranges::none_of(document->parameters, isLight) &&
-                    std::ranges::all_of(scene->names, [](const std::string& name) {
-                      return name.starts_with("smoke") || name.starts_with("fog");
-                    });
-  all.push_back({kText, tr(dark ? "nothing is to be seen: the scene has no light; add Ambient, a "
-                                  "Sun or a Lamp in the panel Scene, or try another time"
-                                : "nothing is to be seen: try another time, F for all of it, or "
-                                  "+, which is brighter")});
+                    std::ranges::none_of(document->parameters, isLight);
+  const bool black = dark && scene->names.empty() && !scene->geometry.empty() &&
+                     std::ranges::none_of(scene->geometry.materials(), [](const Material& of) {
+                       return (of.emission > 0).any();
+                     });
+  if (black && !app.view().blank()) {
+    all.push_back({kText, tr("surfaces are black: the scene has no light; add Ambient, a Sun or a "
+                             "Lamp in the panel Scene")});
+  }
+  if (!app.view().blank())
+    return all;
+  const bool unlit = dark && std::ranges::all_of(scene->names, [](const std::string& name) {
+                       return name.starts_with("smoke") || name.starts_with("fog");
+                     });
+  all.push_back({kText, tr(unlit ? "nothing is to be seen: the scene has no light; add Ambient, a "
+                                   "Sun or a Lamp in the panel Scene, or try another time"
+                                 : "nothing is to be seen: try another time, F for all of it, or "
+                                   "+, which is brighter")});
   return all;
 }
 

@@ -141,7 +141,11 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"softness", "Weichheit"},
     // Time and work.
     {"frame {} of {}{}, ", "Bild {} von {}{}, "},
-    {" (number {})", " (Nummer {})"},
+    {"surfaces are black: the scene has no light; add Ambient, a Sun or a Lamp in the panel Scene",
+     "Flächen sind schwarz: die Szene hat kein Licht; Umlicht, Sonne oder Lampe stehen in der "
+     "Tafel "
+     "Szene"},
+    {" (no. {})", " (Nr. {})"},
     {"the picture is of {:.4g} s", "das Bild ist von {:.4g} s"},
     {"not drawn with the same {}", "nicht mit demselben Wert gezeichnet: {}"},
     {"each is drawn with a look of its own", "jede ist auf ihre eigene Art gezeichnet"},

@@ -12,7 +12,7 @@ namespace {
 
 /// Whether the film's controls stand beside the time's; else they appear when they are asked for.
 bool isWide(const ViewerInput& input) {
-  return input.width >= 800;
+  return input.width >= 900;
 }
 
 bool isWhole(ViewerApp& app, const ViewerInput& input) {
@@ -92,10 +92,9 @@ std::string frameText(const Playback& playback, const DocumentInfo& info) {
   const double mean = (timeline.frames() - 1) / (timeline.last() - timeline.first());
   const double shown = playback.shownRate() / timeline.speed();
   const auto frame = static_cast<std::size_t>(timeline.frame());
-  const std::string number =
-      frame < info.numbers.size()
-          ? fmt::format(fmt::runtime(tr(" (number {})")), info.numbers[frame])
-          : "";
+  const std::string number = frame < info.numbers.size()
+                                 ? fmt::format(fmt::runtime(tr(" (no. {})")), info.numbers[frame])
+                                 : "";
   const std::string whole =
       fmt::format(fmt::runtime(tr("frame {} of {}{}, ")), frame + 1, timeline.frames(), number);
   if (shown > 0 && shown < 0.9 * std::min(rate, mean) && rate < 60)
