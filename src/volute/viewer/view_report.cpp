@@ -139,7 +139,8 @@ void ViewReport::begin(Image picture) {
     return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
   };
   const StartView view = view_.camera().view();
-  ReportOrder order{freeReportName(std::filesystem::current_path()), std::move(picture)};
+  std::error_code gone;  // then writing says so
+  ReportOrder order{freeReportName(std::filesystem::current_path(gone)), std::move(picture)};
   order.view = {{"time", fmt::format("{:.6g} s", playback_.timeline().snapshotTime())},
                 {"eye", point(view.eye)},
                 {"target", point(view.target)},
