@@ -1192,6 +1192,10 @@ print("done", flush=True)
                 volute.picture(volute.Function(wrong, (8, 8, 8), bounds=bounds))
         with self.assertRaisesRegex(TypeError, "complex"):
             volute.picture(volute.Function(lambda x, y, z, t: x + 1j, (8, 8, 8), bounds=bounds))
+        masked = volute.Function(lambda x, y, z, t: np.ma.masked_less(np.where(x < 0.5, -999, x), -900), (8, 8, 8), bounds=bounds)
+        for call in (lambda: masked[0], lambda: volute.picture(masked), lambda: volute.compress(masked, self.path / "masked.volute")):
+            with self.assertRaisesRegex(ValueError, "the function's values: 256 of 512 values are masked"):
+                call()
         with self.assertRaisesRegex(TypeError, "expected a function"):
             volute.Function(3, (8, 8, 8), bounds=bounds)
         with self.assertRaisesRegex(ValueError, "expected \\(z, y, x\\)"):
@@ -1564,6 +1568,9 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertLessEqual(v.max_error, 1e-3)
         with self.assertRaisesRegex(ValueError, "the first below the second"):
             volute.Function(lambda x, y, z, t: x, (2, 2, 2), bounds=bounds[::-1])
+        # Parts of a frame may be of different types.
+        mixed = volute.Function(lambda x, y, z, t: np.zeros(len(x), np.uint8) if z[0] < 4 else z, (64, 32, 32), bounds=bounds)[0]
+        self.assertEqual((mixed.dtype, mixed[0, 0, 0], mixed[63, 0, 0]), (np.float64, 0, 8 * 63.5 / 64))
 
     def test_times_are_seconds(self):
         array, bounds = np.ones((3, 4, 4, 4)), ((0, 0, 0), (1, 1, 1))

@@ -345,13 +345,17 @@ class Function:
     def __getitem__(self, index):
         """The frame of a number, shape (z, y, x[, 3])."""
         sides, low, high = self.shape[1:4], *map(np.asarray, self.bounds)
-        count, values = int(np.prod(sides)), []
+        count, values = int(np.prod(sides)), None
         for begin in range(0, count, 1 << 15):
             end = min(begin + (1 << 15), count)
             places = [low[2 - axis] + (number_of + 0.5) * (high - low)[2 - axis] / sides[axis]
                       for axis, number_of in enumerate(np.unravel_index(np.arange(begin, end), sides))]
-            values.append(self._values(*places[::-1], self.times[index]))
-        return np.concatenate(values).reshape(self.shape[1:])
+            part = self._values(*places[::-1], self.times[index])
+            if values is None:
+                values = np.empty((count,) + self.shape[4:], part.dtype)
+            values = values.astype(np.promote_types(values.dtype, part.dtype), copy=False)
+            values[begin:end] = part
+        return values.reshape(self.shape[1:])
 
     def __len__(self):
         return self.shape[0]
@@ -363,7 +367,7 @@ class Function:
 
     def _values(self, x, y, z, t):
         """As the function gives them: compress() counts how far they are rounded."""
-        values = np.asarray(self.value(x, y, z, t))
+        values = unmasked(self.value(x, y, z, t), "the function's values")
         reals(values, "the function's values")
         expected = x.shape + self.shape[4:]
         if values.shape != expected:
