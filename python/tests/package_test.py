@@ -4,6 +4,8 @@
 import ast
 import contextlib
 import datetime
+import decimal
+import fractions
 import gc
 import importlib.util
 import inspect
@@ -1592,8 +1594,12 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
                 self.assertRegex(str(raised.exception).replace("time:", "times:").replace("time - time", "times - times"), said)
         with self.assertRaisesRegex(ValueError, "NaT"):
             volute.compress(array, file, times=np.array([0, 1, "NaT"], "m8[s]"))
-        with self.assertRaisesRegex(TypeError, "expected a number"):
-            volute.render(array, np.timedelta64(1, "s"), bounds=bounds)
+        for time in (np.timedelta64(1, "s"), np.array(1000, "m8[ms]"), np.array(True), np.array("1"), [1.0], np.array(True, object)):
+            with self.assertRaisesRegex(TypeError, "expected a number"):
+                volute.render(array, time, bounds=bounds)
+        for time in (np.array(0.04), np.float32(0.04), np.array(0, object), decimal.Decimal("0.04"), fractions.Fraction(1, 25)):
+            self.assertEqual(volute.render(array, time, bounds=bounds, extinction=1.0, size=(4, 3)).shape, (3, 4, 3))
+        self.assertEqual(volute.compress(array, file, times=np.array([0, 1, 2.5], object)).open().times.tolist(), [0, 1, 2.5])
 
     def test_frame_numbers_are_whole(self):
         array = np.ones((2, 4, 4, 4))

@@ -2,7 +2,9 @@
 # SPDX-FileCopyrightText: The Volute authors
 """What callers give: numbers, and volumes as arrays of any kind."""
 import datetime
+import decimal
 import logging
+import numbers
 import os
 import tempfile
 
@@ -20,13 +22,44 @@ _AXES = {"t": ("t", "time"), "z": ("z", "height", "altitude"), "y": ("y",), "x":
 
 
 def number(what, value, hint=""):
-    """A real number, of Python or NumPy."""
+    """A real number, of Python, NumPy or what NumPy takes for one."""
+    return float(_scalar(what, value, f"a number{hint}"))
+
+
+def _scalar(what, value, expected):
+    """A number of Python's. What it is decides its dtype: also an array without axes may be a truth value, a text or a time."""
     try:
-        if isinstance(value, (str, bytes, bool, np.bool_, np.timedelta64, np.datetime64)) or np.iscomplexobj(value):
-            raise TypeError
-        return float(value)
+        array = np.asanyarray(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{what}={value!r}: expected a number{hint}") from None
+        array = np.empty(2)
+    if not array.ndim:
+        one = plain_numbers(unmasked(array, what))
+        if one.dtype.kind in "iuf":
+            return one.item() if one.dtype != np.longdouble else float(one)
+        if one.dtype.kind == "O" and not isinstance(one.item(), (str, bytes, bool, np.generic)) and hasattr(one.item(), "__float__"):
+            try:
+                return float(one.item())
+            except (TypeError, ValueError, OverflowError):
+                pass
+    raise TypeError(f"{what}={value!r}: expected {expected}")
+
+
+def plain_numbers(values):
+    """The array; one of objects that are all numbers, as pandas gives, with a dtype of numbers."""
+    if values.dtype.kind != "O":
+        return values
+
+    def among(*kinds):
+        return all(isinstance(one, kinds) and not isinstance(one, (bool, np.bool_, np.timedelta64)) for one in values.flat)
+    try:
+        if among(numbers.Integral):
+            return values.astype(np.int64)
+        return values.astype(float) if among(numbers.Real, decimal.Decimal) else values
+    except OverflowError:
+        try:
+            return values.astype(float)
+        except OverflowError:
+            return values
 
 
 def utf8(what, text):
@@ -39,8 +72,9 @@ def utf8(what, text):
 
 
 def whole(what, value):
-    """A whole number, of Python or NumPy."""
-    if isinstance(value, (bool, np.bool_)) or number(what, value) != int(value):
+    """A whole number, of Python, NumPy or what NumPy takes for one."""
+    found = _scalar(what, value, "a whole number")
+    if not np.isfinite(found) or found != int(found):
         raise TypeError(f"{what}={value!r}: expected a whole number")
     return int(value)
 
