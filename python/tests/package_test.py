@@ -1610,9 +1610,12 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         for name in names:
             np.save(name, array[0])
         made = subprocess.run([COMMAND, "compress", self.path / "part_%d.npy", "-o", self.path / "parts.volute"], capture_output=True)
-        if made.returncode == 0 and volute.open(self.path / "parts.volute").frame_numbers.dtype.kind == "f":
-            again = volute.compress(volute.open(self.path / "parts.volute"), self.path / "again.volute").open()
-            np.testing.assert_array_equal(again.frame_numbers, [1.25, 1.5])
+        self.assertEqual(made.returncode, 0, made.stderr)
+        np.testing.assert_array_equal(volute.open(self.path / "parts.volute").frame_numbers, [1.25, 1.5])
+        again = volute.compress(volute.open(self.path / "parts.volute"), self.path / "again.volute").open()
+        np.testing.assert_array_equal(again.frame_numbers, [1.25, 1.5])
+        for numbers in ([3.0, 7.0], np.array([3, 7], object), np.array([3, 7], np.uint64)):
+            self.assertEqual(volute.compress(array, self.path / "numbers.volute", frame_numbers=numbers).open().frame_numbers.tolist(), [3, 7])
 
     def test_bounds_are_two_corners(self):
         array = np.ones((3, 4, 5))
@@ -1621,8 +1624,21 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
                          lambda: volute.resample(self.file, self.path / "b.volute", bounds=bounds)):
                 with self.assertRaisesRegex(ValueError, "expected numbers in the order"):
                     call()
-        with self.assertRaisesRegex(volute.InvalidArgument, "the first below the second"):
-            volute.compress(array, self.path / "b.volute", bounds=((0, 0, 1), (1, 1, 0)))
+        for bounds in (((0, 0, 1), (1, 1, 0)), ((0, 0, 0), (1, 1, np.inf)), ((0, 0, 0), (1, 1, 0))):
+            with self.assertRaisesRegex(volute.InvalidArgument, "the first below the second"):
+                volute.compress(array, self.path / "b.volute", bounds=bounds)
+        whole = np.array([[0, 0, 0], [5, 4, 3]], object)
+        self.assertEqual(volute.compress(array, self.path / "b.volute", bounds=whole).open().bounds, ((0, 0, 0), (5, 4, 3)))
+
+    def test_memory_is_a_number_of_bytes(self):
+        for memory in (float("inf"), float("nan"), 2 ** 70, -1):
+            with self.assertRaisesRegex(ValueError, "expected 0 to 18446744073709551615 bytes"):
+                volute.open(self.file, max_memory=memory)
+        for memory in (1.5, True, np.array(True), "4", None, [4]):
+            with self.assertRaisesRegex(TypeError, "expected a number of bytes"):
+                volute.open(self.file, max_memory=memory)
+        for memory in (1e9, np.uint64(2 ** 63), np.array(1 << 30)):
+            volute.open(self.file, max_memory=memory)
 
     def test_members_are_for_what_is_made(self):
         sign = [{"name": "e", "position": [9, 5, 5], "normal": [-1, 0, 0]}]
@@ -1743,6 +1759,13 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         eyes = [[1, 1.5, 1.6], [4, 1.5, 1.6]]
         with self.assertRaisesRegex(TypeError, "whole numbers"):
             engine.dose([1.2, 2.7], eyes, 5)
+        for ids in ([True, False], ["1", "2"], np.array([1, None], object)):
+            with self.assertRaisesRegex(TypeError, "whole numbers"):
+                engine.dose(ids, eyes, 5)
+        with self.assertRaisesRegex(ValueError, "beyond 64 bits"):
+            engine.dose(np.array([1, 2 ** 63], np.uint64), eyes, 5)
+        for ids in ([1.0, 2.0], np.array([1, 2], object), np.array([1, 2], np.uint64)):
+            self.assertEqual(len(engine.dose(ids, eyes, 5)), 2)
         with self.assertRaisesRegex(volute.InvalidArgument, "agent 7 is among the ids twice"):
             engine.dose([7, 7], eyes, 5)
 

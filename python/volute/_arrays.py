@@ -79,8 +79,18 @@ def whole(what, value):
     return int(value)
 
 
-def corners(bounds):
-    """((x0, y0, z0), (x1, y1, z1)) as lists; None stays."""
+def wholes(what, values):
+    """Whole numbers, shape (n,)."""
+    given, values = values, plain_numbers(np.atleast_1d(unmasked(values, what)))
+    if values.ndim != 1 or values.dtype.kind not in "iuf" or not (values == np.round(values)).all():
+        raise TypeError(f"{what}={np.asarray(given).tolist()}: expected whole numbers")
+    if values.size and not (-1 << 63 <= values.min() and np.isfinite(values).all() and int(values.max()) < 1 << 63):
+        raise ValueError(f"{what}: {max(values, key=abs)} is beyond 64 bits; expected numbers up to {(1 << 63) - 1}")
+    return values.astype(np.int64)
+
+
+def corners(bounds, region=False):
+    """((x0, y0, z0), (x1, y1, z1)) as lists; None stays. region: of something larger, which may be flat, or go on without end."""
     if bounds is None:
         return None
     try:
@@ -97,7 +107,7 @@ def corners(bounds):
 
 def seconds(what, values):
     """Times [s], shape (n,), of numbers or of time differences."""
-    values = np.atleast_1d(unmasked(values, what))
+    values = plain_numbers(np.atleast_1d(unmasked(values, what)))
     if values.dtype.kind == "O" and all(isinstance(one, datetime.timedelta) for one in values.flat):
         values = values.astype("m8[us]")
     kind, unit = values.dtype.kind, np.datetime_data(values.dtype)[0] if values.dtype.kind in "mM" else ""
@@ -113,13 +123,11 @@ def seconds(what, values):
 
 
 def _frame_numbers(what, values):
-    """Whole numbers, shape (n,)."""
-    values = np.atleast_1d(unmasked(values, what))
-    if values.ndim != 1 or values.dtype.kind not in "iuf" or not (values == np.round(values)).all():
-        raise TypeError(f"{what}={values.tolist()}: expected whole numbers")
-    if (abs(values) >= 1 << 31).any():
-        raise ValueError(f"{what}: {max(values, key=abs)} is beyond 32 bits; expected numbers up to {(1 << 31) - 1}")
-    return values.astype(np.int64)
+    """Whole numbers of 32 bits, shape (n,)."""
+    values = wholes(what, values)
+    if ((values < -1 << 31) | (values >= 1 << 31)).any():
+        raise ValueError(f"{what}: {max(values.tolist(), key=abs)} is beyond 32 bits; expected numbers up to {(1 << 31) - 1}")
+    return values
 
 
 def unmasked(values, what):

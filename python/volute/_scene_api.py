@@ -11,7 +11,7 @@ import tempfile
 import numpy as np
 
 from . import _vtk_values
-from ._arrays import corners, number, plain, unmasked, volume, whole
+from ._arrays import corners, number, plain, unmasked, utf8, volume, whole, wholes
 from ._compress import compress
 from ._errors import InvalidArgument, about
 from ._lines import Lines
@@ -632,11 +632,9 @@ class Engine:
         criteria); NaN where nothing is known. ids: shape (agent,), whole numbers, each once. worst: by the worst that rounding, caps
         and means at nodes of the files allow, instead of by the values themselves; both are followed, and may be asked for at the
         same time."""
-        ids = np.atleast_1d(unmasked(ids, "ids"))
-        if ids.size and ids.dtype.kind not in "iu":
-            raise TypeError(f"ids: values of type {ids.dtype}; expected whole numbers")
+        ids = wholes("ids", ids)
         with Listener() as listener:
-            return _fields(self.criteria, float, self._engine.dose(number("time", time), ids.astype(np.int64), _points(eyes), bool(worst), listener))
+            return _fields(self.criteria, float, self._engine.dose(number("time", time), ids, _points(eyes), bool(worst), listener))
 
     def extinction(self, eyes, time):
         """K at each eye [1/m], shape (agent,), for walking speeds; NaN where nothing is known."""

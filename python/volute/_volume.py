@@ -34,7 +34,9 @@ def size_of(what, value):
         raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
     if not 0 <= value < 1 << 64:
         raise ValueError(f"{what}={value!r}: expected 0 to {(1 << 64) - 1} bytes")
-    return int(value)
+    if count != int(count):
+        raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
+    return int(count)
 
 
 _GIB = 1 << 30
