@@ -1713,7 +1713,14 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
             case[0]
         with self.assertRaisesRegex(ValueError, "closed"):
             iter(case)
-        for options in ({"mesh": 0}, {"bounds": ((0, 0, 0), (2, 2, 2))}):
+        infinite = volute.fds.open(path, bounds=((-np.inf, -np.inf, 0), (np.inf, np.inf, 1)))
+        self.assertEqual(infinite.shape[2:], volute.fds.open(path).shape[2:])
+        self.assertLess(infinite.shape[1], volute.fds.open(path).shape[1])
+        self.assertGreater(volute.fds.open(path, bounds=((0, 0, 1), (8, 3, 1))).size, 0)
+        for bounds in (((0, 0, 2), (8, 3, 1)), ((0, 0, np.nan), (8, 3, 1))):
+            with self.assertRaisesRegex(volute.InvalidArgument, "at or below the second"):
+                volute.fds.open(path, bounds=bounds)
+        for options in ({"mesh": 0}, {"bounds": ((0, 0, 0), (2, 2, 2))}, {"bounds": np.array(((0, 0, 0), (2, 2, 2)))}):
             for kind in (volute.Scene, volute.Sight):
                 with self.assertRaisesRegex(ValueError, f"opened with {next(iter(options))}; compress it first"):
                     kind(volute.fds.open(path, **options))

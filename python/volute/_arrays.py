@@ -76,7 +76,7 @@ def whole(what, value):
     found = _scalar(what, value, "a whole number")
     if not np.isfinite(found) or found != int(found):
         raise TypeError(f"{what}={value!r}: expected a whole number")
-    return int(value)
+    return int(found)
 
 
 def wholes(what, values):
@@ -94,12 +94,17 @@ def corners(bounds, region=False):
     if bounds is None:
         return None
     try:
-        values = unmasked(bounds, "bounds")
+        values = np.asanyarray(bounds)
     except ValueError:  # ragged
         values = np.empty(0)
+    values = plain_numbers(unmasked(values, "bounds"))
     if values.shape != (2, 3) or values.dtype.kind not in "iuf":
         raise ValueError(f"bounds={bounds!r}: expected numbers in the order ((x0, y0, z0), (x1, y1, z1)), two corners")
     low, high = values = values.astype(float)
+    if region:
+        if not (low <= high).all():
+            raise InvalidArgument(f"bounds={values.tolist()}: expected the first corner at or below the second on every axis")
+        return values.tolist()
     if not (np.isfinite(values).all() and (low < high).all()):
         raise InvalidArgument(f"bounds={values.tolist()}: expected finite corners, the first below the second on every axis")
     return values.tolist()

@@ -20,8 +20,9 @@ class Case(Frames):
     def __init__(self, path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds=None, max_memory=4 << 30):
         mass_extinction = number("mass_extinction", mass_extinction)
         mesh = None if mesh is None else whole("mesh", mesh)
+        bounds = corners(bounds, region=True)
         with about(file_name(path)):
-            self._case = _core.Fds(file_name(path), quantity, source, mass_extinction, mesh, corners(bounds), size_of("max_memory", max_memory))
+            self._case = _core.Fds(file_name(path), quantity, source, mass_extinction, mesh, bounds, size_of("max_memory", max_memory))
         self._options = {"quantity": quantity, "source": source, "mass_extinction": mass_extinction, "mesh": mesh, "bounds": bounds}
         super().__init__(file_name(path), self._case.info)
         self._lock = threading.Lock()
@@ -75,5 +76,5 @@ def open(path, *, quantity="", source="", mass_extinction=0.0, mesh=None, bounds
 
     quantity: another stored quantity, by FDS's name ("TEMPERATURE"). source: one of `Case.sources`; default the best that
     fills meshes. mass_extinction: Km [m2/kg] for densities of soot; default the case's, else FDS's default.
-    mesh: a single mesh, from 0. bounds: ((x0,y0,z0),(x1,y1,z1)) [m], the region to read."""
+    mesh: a single mesh, from 0. bounds: ((x0,y0,z0),(x1,y1,z1)) [m], the region to read, with infinities where it has no end."""
     return Case(path, quantity=quantity, source=source, mass_extinction=mass_extinction, mesh=mesh, bounds=bounds, max_memory=max_memory)
