@@ -1791,9 +1791,16 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         error = raised.exception
         self.assertEqual((error.code, error.filename, error.errno), ("not-found", "nothing.volute", 2))
         self.assertIn("nothing.volute: cannot open", str(error))
+        self.assertEqual(pickle.loads(pickle.dumps(error)).filename, "nothing.volute")
+        with self.assertRaises(FileNotFoundError) as raised:
+            volute.open(self.file, grid="nothing")  # the file is there
+        self.assertEqual((raised.exception.path, raised.exception.filename, raised.exception.errno), (str(self.file), None, None))
         with self.assertRaises(OSError) as raised:
             volute.compress(self.values[:1], self.path / "none" / "a.volute")
         self.assertTrue(raised.exception.filename, str(raised.exception))
+        with self.assertRaises(volute.IoError) as raised:
+            volute.open(self.path)
+        self.assertEqual((raised.exception.filename, raised.exception.errno), (str(self.path), None))
         with self.assertRaises(volute.Truncated) as raised:
             cut = self.path / "hint.volute"
             cut.write_bytes(pathlib.Path(self.file).read_bytes()[:-40])

@@ -3,6 +3,7 @@
 """Exceptions of Volute, which are also of the corresponding Python types."""
 import contextlib
 import errno
+import os
 
 
 class Error(Exception):
@@ -32,18 +33,15 @@ def about(path):
         raise
 
 
-class _OfSystem(Error):
-    """With what OSError has."""
+class NotFound(Error, FileNotFoundError):
+    """A file, a grid or a name does not exist. `filename` and `errno` are those of a missing file; None where something in a file is missing."""
+    code = "not-found"
 
     def __setattr__(self, name, value):
         super().__setattr__(name, value)
-        if name == "path":
-            self.filename, self.errno = value, self._errno if value else None
-
-
-class NotFound(_OfSystem, FileNotFoundError):
-    """A file, a grid or a name does not exist."""
-    code, _errno = "not-found", errno.ENOENT
+        if name in ("path", "member"):
+            missing = self.path and not self.member and not os.path.exists(self.path)
+            self.filename, self.errno = (self.path, errno.ENOENT) if missing else (None, None)
 
 
 class InvalidData(Error, ValueError):
@@ -66,9 +64,14 @@ class TooLarge(Error, MemoryError):
     code = "too-large"
 
 
-class IoError(_OfSystem, OSError):
-    """The system refused to read or write."""
-    code, _errno = "io", errno.EIO
+class IoError(Error, OSError):
+    """The system refused to read or write. `errno` is None: why is in the message."""
+    code = "io"
+
+    def __setattr__(self, name, value):
+        super().__setattr__(name, value)
+        if name == "path":
+            self.filename = value
 
 
 class Cancelled(Error):
