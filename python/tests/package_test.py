@@ -1739,6 +1739,9 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertRegex(v.damage, r"\d+ of \d+ parts of 'density' are intact")
         self.assertEqual((log.records[0].code, log.records[0].getMessage()), ("damaged", v.damage))
         self.assertIn("errors not known", repr(v))
+        with self.assertNoLogs("volute", "WARNING") if hasattr(self, "assertNoLogs") else contextlib.nullcontext():
+            for again in (v.grid("density"), pickle.loads(pickle.dumps(v)), volute.open(data[:2 * len(data) // 3], partial=True)):
+                self.assertEqual(again.damage.partition(": ")[2], v.damage.partition(": ")[2])
         whole = volute.open(self.file, partial=True)
         self.assertIsNone(whole.damage)
         self.assertLess(whole.rms, 1)
@@ -1746,6 +1749,25 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertIn("closed", repr(whole))
         with self.assertRaisesRegex(ValueError, "closed"):
             iter(whole)
+
+    def test_damage_is_that_of_a_grid(self):
+        file = self.path / "grids.volute"
+        volute.reconstruct(self.capture(), file, iterations=3, error_bars=True)
+        data = bytearray(file.read_bytes())
+        found = set()
+        with self.assertLogs("volute", "WARNING"):
+            for at in range(len(data) // 2, len(data) - 300, len(data) // 60):
+                data[at] ^= 0xff
+                for grid in ("emission", "emission_sigma"):
+                    try:
+                        v = volute.open(bytes(data), partial=True, grid=grid)
+                    except volute.Error:
+                        continue
+                    unknown = {name for name, one in v.grids.items() if np.isnan(one["rms"])}
+                    self.assertEqual(grid in unknown, v.damage is not None)
+                    found.add((grid, *sorted(unknown)))
+                data[at] ^= 0xff
+        self.assertTrue({("emission", "emission_sigma"), ("emission_sigma", "emission")} & found, found)
 
     def test_pictures_are_srgb_as_bytes(self):
         steps = np.arange(256, dtype=np.uint8).reshape(16, 16)

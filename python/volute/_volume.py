@@ -14,7 +14,7 @@ import zlib
 import numpy as np
 
 from . import _core
-from ._errors import about
+from ._errors import Cancelled, Error, about
 from ._progress import Listener
 
 BLOCK = _core.block
@@ -30,9 +30,10 @@ def file_name(path, what="path"):
 
 def size_of(what, value):
     """A number of bytes."""
-    if isinstance(value, (str, bool)) or np.ndim(value) or np.asarray(value).dtype.kind not in "iuf" or value != int(value):
+    count = np.asarray(value).item() if np.ndim(value) == 0 else None
+    if isinstance(count, bool) or not isinstance(count, (int, float)) or np.asarray(value).dtype.kind not in "iufO":
         raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
-    if not 0 <= value < 1 << 64:
+    if not 0 <= count < 1 << 64:
         raise ValueError(f"{what}={value!r}: expected 0 to {(1 << 64) - 1} bytes")
     if count != int(count):
         raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
@@ -241,16 +242,33 @@ class Volume(Frames):
         #: None, or of a damaged file that is shown in part a sentence that says so: rms and max_error are not known then (NaN)
         self.damage = None
         if partial:
-            with Listener() as listener:
-                fault, parts, intact = self._file.verify(listener)
-            if fault:
+            self._identity = _identity_of(path, self._memory and self._memory.data)
+            self.damage = self._damage_of(self.name, self._file)
+            if self.damage:
                 self.rms = self.max_error = np.nan
-                self.damage = (f"{path}: {intact} of {parts} parts of '{self.name}' are intact ({fault}); the others are taken as 0 or coarser, "
-                               "and how far values are off is not known")
-                listener.remark(self.damage, "damaged", path)
+                if _told_once(self._identity, self.name):
+                    Listener().remark(self.damage, "damaged", path)
         if header["offset"]:
             self.dtype = np.dtype(np.float64)
         self.provenance, self.written_by = header["provenance"], header["written_by"]
+
+    def _damage_of(self, name, file=None):
+        """A sentence on a grid's damage, or None. A grid of a file is read for it once."""
+        known = _damages.setdefault(self._identity, {})
+        if name not in known:
+            try:
+                with Listener() as listener:
+                    fault, parts, intact = (file or _core.File(self.path, True, self._options["max_memory"], name)).verify(listener)
+                fault = fault.replace(self.path + ": ", "")  # the same bytes may have another name
+                known[name] = fault and (f"{intact} of {parts} parts of '{name}' are intact ({fault}); the others are taken as 0 or coarser, "
+                                         "and how far values are off is not known")
+            except Cancelled:
+                raise
+            except Error as error:  # nothing of it is left
+                known[name] = str(error).replace(self.path + ": ", "")
+        while len(_damages) > 100:
+            _damages.pop(next(iter(_damages)))
+        return f"{self.path}: {known[name]}" if known[name] else None
 
     @property
     def grids(self):
@@ -259,8 +277,10 @@ class Volume(Frames):
         all_grids = {one.pop("name"): one for one in self._file.grids}
         for one in all_grids.values():
             one["shape"] = one["shape"] if one["shape"][4] != 1 else one["shape"][:4]
-            if self.damage:
-                one["rms"] = one["max_error"] = np.nan
+        if self._options["partial"]:
+            for name, one in all_grids.items():
+                if not one["empty"] and self._damage_of(name):
+                    one["rms"] = one["max_error"] = np.nan
         return all_grids
 
     def grid(self, name):
@@ -431,6 +451,27 @@ class Volume(Frames):
         cells = "".join(f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{html.escape(text)}</td></tr>" for name, text in rows)
         return (f"<div><b>{html.escape(os.path.basename(self.path))}</b><div style='display:flex;gap:1em;align-items:center'>{image}"
                 f"<table>{cells}</table></div></div>")
+
+
+#: of a file's identity: what is known of the damage of each grid, and which of them were told
+_damages, _told = {}, set()
+
+
+def _identity_of(path, data):
+    """What is the same for a file, or its bytes, as long as these do not change."""
+    if data:
+        return hash(data), len(data)
+    found = os.stat(path)
+    return os.path.realpath(path), found.st_size, found.st_mtime_ns
+
+
+def _told_once(identity, name):
+    """Whether it is told now: the first time in this process."""
+    if len(_told) > 10000:
+        _told.clear()
+    before = len(_told)
+    _told.add((identity, name))
+    return len(_told) > before
 
 
 def _open(path, grid=None, options=None):
