@@ -1780,6 +1780,8 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
                     call(image)
             with self.assertRaisesRegex(ValueError, "1 values that are no numbers"):
                 call(np.array([[0.5, np.nan]]))
+        volute.write_image(self.path / "holes.exr", np.array([[0.5, np.nan]]))
+        np.testing.assert_array_equal(volute.read_image(self.path / "holes.exr"), [[0.5, np.nan]])
         with self.assertRaisesRegex(TypeError, "uint8 is sRGB"):
             volute.to_srgb(steps)
 

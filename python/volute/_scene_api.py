@@ -430,14 +430,15 @@ def write_image(path, image):
     if image.dtype == np.uint8:
         steps = np.arange(256) / 255
         image = np.where(steps <= 0.04045, steps / 12.92, ((steps + 0.055) / 1.055) ** 2.4)[image]
-    _part().write_image(file_name(path), _light(image, "linear light as floats, or sRGB as uint8"))
+    path = file_name(path)
+    _part().write_image(path, _light(image, "linear light as floats, or sRGB as uint8", finite=path.lower().endswith(".png")))
 
 
-def _light(image, expected):
+def _light(image, expected, finite=True):
     image = unmasked(image, "the picture")
     if image.dtype.kind != "f":
         raise TypeError(f"the picture has values of type {image.dtype}; expected {expected}")
-    if np.isnan(image).any():
+    if finite and np.isnan(image).any():
         raise ValueError(f"the picture has {int(np.isnan(image).sum())} values that are no numbers (NaN); expected {expected}")
     return image.astype(np.float32)
 
