@@ -1140,6 +1140,12 @@ print("done", flush=True)
         np.testing.assert_array_equal(after, volute.picture(said, size=(16, 12)))
         with self.assertRaisesRegex(ValueError, "name='nobody': expected 'memory:1' or 'memory:2' or 'mine' or 'other'"):
             scene.touch("nobody")
+        former = scene.json
+        scene.touch("mine")
+        with self.assertRaisesRegex(FileNotFoundError, "/media/0/file: the scene has no array 'memory:.*'.*give the array itself") as raised:
+            scene.change(former)
+        self.assertIsNone(raised.exception.filename)
+        scene.change(scene.json)
 
     def test_films_of_functions_end_with_what_they_raise(self):
         def value(x, y, z, t):

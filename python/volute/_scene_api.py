@@ -13,7 +13,7 @@ import numpy as np
 from . import _vtk_values
 from ._arrays import corners, number, plain, unmasked, utf8, volume, whole, wholes
 from ._compress import compress
-from ._errors import InvalidArgument, about
+from ._errors import InvalidArgument, NotFound, about
 from ._lines import Lines
 from ._mesh import Mesh
 from ._progress import Listener
@@ -240,7 +240,8 @@ class Scene:
 
     @property
     def json(self):
-        """The scene as a dict; change() accepts another. Arrays have names there, as "memory:0"."""
+        """The scene as a dict; change() accepts another. Arrays have names there, as "memory:0", which stand for them until the scene is
+        changed to one without them."""
         return json.loads(self._scene.json)
 
     @property
@@ -260,9 +261,12 @@ class Scene:
 
     def change(self, new, progress=None):
         """Changes the scene to the dict; data already read are reused where entries do not change. An array in it is read anew, so that
-        one whose values have changed is given again. An error leaves the scene unchanged."""
+        one whose values have changed is given again. The scene lets go of arrays that are no longer in it: to go back to a former `json`,
+        give the arrays themselves in it. An error leaves the scene unchanged."""
+        self._scene.path  # says that it is closed
         given, new = new, _text(self._volumes.scene(new))
         more = self._volumes.take()
+        self._refuse_unknown(new, self._added + more)
         with Listener(progress) as listener:
             try:
                 self._scene.change(new, more, listener)
@@ -274,6 +278,21 @@ class Scene:
         self._given = given, {"folder": os.path.dirname(os.path.abspath(self._scene.path)), "max_memory": self._max_memory}
         if self._unclear:
             self._open(progress)
+
+    @staticmethod
+    def _refuse_unknown(said, added):
+        """Names of arrays that the scene does not have, or has let go of."""
+        media = json.loads(said)
+        media = media.get("media") if isinstance(media, dict) else None
+        known = {"memory:" + one[0] for one in added}
+        for at, entry in enumerate(media if isinstance(media, list) else []):
+            for key in ("file", "case"):
+                name = os.path.basename(str(entry.get(key, ""))) if isinstance(entry, dict) else ""
+                if name.startswith("memory:") and os.path.splitext(name)[0] not in known:
+                    error = NotFound(f"/media/{at}/{key}: the scene has no array {name!r}: it lets go of arrays that change() or touch() replaced; "
+                                     "give the array itself")
+                    error.member = f"/media/{at}/{key}"
+                    raise error
 
     def _keep_named(self, said, added):
         """Of volumes in memory, those that the scene names, and no others."""
