@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <mutex>
 #include <set>
 #include <utility>
 
@@ -195,7 +196,7 @@ Box3 VolumeMedium::uprightBounds() const {
 }
 
 void VolumeMedium::setAppearance(const Appearance& appearance) {
-  shadedFramePosition_ = pathsFramePosition_ = lightFramePosition_ = -1;
+  shadedFramePosition_ = pathsFramePosition_ = lightFramePosition_ = negativeSoughtAt_ = -1;
   light_ = nullptr;
   drawnOf_ = drawn_ = nullptr;
   velocitiesChecked_ = velocitiesChecked_ && appearance.velocityUnit == appearance_.velocityUnit &&
@@ -974,21 +975,61 @@ namespace {
 
 /// Of the largest value: so much below 0 an extinction may be, by rounding and by solvers.
 constexpr float kOvershoot = 0.1F;
+/// An optical depth of no account: so much below 0 it may be through the whole volume.
+constexpr double kNoDepth = 1e-4;
+
+struct Extremes {
+  float least = 0, most = 0;  // at most 0, at least 0
+};
+
+/// In lanes, which compilers turn into SIMD.
+Extremes extremesOf(std::span<const float> values) {
+  constexpr std::size_t kLanes = 16;
+  std::array<float, kLanes> least{}, most{};
+  std::size_t i = 0;
+  for (; i + kLanes <= values.size(); i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      const float value = values[i + k];
+      least[k] = value < least[k] ? value : least[k];
+      most[k] = value > most[k] ? value : most[k];
+    }
+  }
+  for (; i < values.size(); ++i)
+    least[0] = std::min(least[0], values[i]), most[0] = std::max(most[0], values[i]);
+  return {*std::ranges::min_element(least), *std::ranges::max_element(most)};
+}
+
+Extremes extremesOf(const BrickSlice& slice) {
+  constexpr std::size_t kGrain = 1 << 18;
+  const std::span<const float> values = slice.values();
+  Extremes all;
+  std::mutex mutex;
+  parallelRanges(values.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const Extremes part = extremesOf(values.subspan(begin, end - begin));
+    const std::lock_guard lock(mutex);
+    all.least = std::min(all.least, part.least), all.most = std::max(all.most, part.most);
+  });
+  return all;
+}
 
 }  // namespace
 
+bool VolumeMedium::clearlyNegative(float least, float most) const {
+  return -least > kOvershoot * most &&
+         -least * std::abs(appearance_.extinction) * volume_.bounds.size().norm() > kNoDepth;
+}
+
 void VolumeMedium::remarkOnNegative(const BrickSlice& slice, double framePosition) {
-  if (negativeTold_ || measuresSight_ || appearance_.extinction == 0)
+  if (negativeTold_ || measuresSight_ || appearance_.extinction == 0 ||
+      framePosition == negativeSoughtAt_)
     return;
-  float least = 0, most = 0;
-  std::size_t below = 0;
-  for (const float value : slice.values()) {
-    below += value < 0;
-    least = std::min(least, value), most = std::max(most, value);
-  }
-  if (!(-least > kOvershoot * most))
+  negativeSoughtAt_ = framePosition;
+  const auto [least, most] = extremesOf(slice);
+  largestSeen_ = std::max(largestSeen_, most);
+  if (!clearlyNegative(least, largestSeen_))
     return;
   negativeTold_ = true;
+  const auto below = std::ranges::count_if(slice.values(), [](float value) { return value < 0; });
   progress_->remark(
       Remark(RemarkCode::kDoubtful,
              fmt::format("{}: grid '{}', frame {}: {} values are below 0, the smallest {:g}: as an "
@@ -999,12 +1040,10 @@ void VolumeMedium::remarkOnNegative(const BrickSlice& slice, double framePositio
 }
 
 Result<VolumeMedium::Slice> VolumeMedium::asExtinction(Slice slice, double framePosition) const {
-  float least = 0, most = 0;
-  for (const float value : slice->values())
-    least = std::min(least, value), most = std::max(most, value);
+  const auto [least, most] = extremesOf(*slice);
   if (least == 0)
     return slice;
-  if (-least > kOvershoot * most) {
+  if (clearlyNegative(least, most)) {
     return fail(ErrorCode::kInvalidData,
                 "{}: grid '{}', frame {}: values go from {:g} to {:g}; expected an extinction, "
                 "which is not below 0",

@@ -236,6 +236,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<Slice> readAt(FrameSource& source, double framePosition);
   /// No value of it is below 0; see sight().
   [[nodiscard]] Result<Slice> asExtinction(Slice slice, double framePosition) const;
+  /// Whether values below 0 are more than rounding.
+  bool clearlyNegative(float least, float most) const;
   /// Tells once that a picture's extinction is below 0 in places.
   void remarkOnNegative(const BrickSlice& slice, double framePosition);
   /// A stored frame; those around the last frame position are kept.
@@ -326,6 +328,8 @@ class VolumeMedium : public SceneMedium, public ProbedMedium {
   std::vector<KeptFrame> kept_;
   bool velocitiesChecked_ = false;
   bool negativeTold_ = false;
+  double negativeSoughtAt_ = -1;  ///< the last frame position that was searched for such values
+  float largestSeen_ = 0;         ///< of those that were
   double pathsFramePosition_ = -1;
   std::shared_ptr<const VoxelPaths> paths_;
 
