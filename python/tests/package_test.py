@@ -1242,6 +1242,13 @@ print("done", flush=True)
             volute.medium("slab", members=members)(type("Wrong", (Slab,), {"pieces": wrong}))
             with self.assertRaisesRegex(error, sentence):
                 volute.picture(scene, size=(40, 30))
+        def everywhere(extinction):
+            return lambda self, s, t: volute.pieces(np.arange(len(s)), s["begin"], s["end"], extinction)
+        volute.medium("slab", members=members)(type("Below", (Slab,), {"pieces": everywhere(-0.1)}))
+        with self.assertRaisesRegex(volute.InvalidData, "extinction of -0.1/m; expected at least 0"):
+            volute.render(scene, size=(8, 6))
+        volute.medium("slab", members=members)(type("Rounded", (Slab,), {"pieces": everywhere(-1e-18)}))
+        self.assertEqual(abs(volute.render(scene, size=(8, 6), aov="optical-depth")).max(), 0)
         volute.medium("slab", members=members)(type("Half", (Slab,), {"values": lambda self, p, t: np.full(len(p), 0.25)}))
         self.assertTrue(volute.check_medium({"kind": "slab"}))
         with self.assertRaisesRegex(TypeError, "no method bounds"):

@@ -85,21 +85,27 @@ bool finite(const volute_piece& piece) {
          all(piece.emission[2]) && std::isfinite(piece.decay) && std::isfinite(piece.begin);
 }
 
-/// The least of a piece's extinction, where that is clearly below 0; a fit may be so a little.
+/// The least of a piece's extinction, where that is clearly below 0; a fit may be so a little, and
+/// sums by rounding.
 std::optional<double> negativeExtinction(const Piece& piece) {
   constexpr double kOvershoot = 0.01;  // of the largest value
+  constexpr double kNoDepth = 1e-6;    // an optical depth of no account
+  constexpr double kFar = 1e6;         // [m], of pieces without end
   constexpr double kFaded = 40;        // lengths of the decay
   constexpr int kSamples = 16;
+  if (std::ranges::all_of(piece.extinction.c, [](double c) { return c >= 0; }))
+    return std::nullopt;
   const double length =
       std::min(piece.end - piece.begin,
                piece.decay > 0 ? kFaded / piece.decay : std::numeric_limits<double>::max());
   double least = std::numeric_limits<double>::infinity(), most = 0;
-  for (int i = 0; i <= kSamples; ++i) {
-    const double u = piece.extinction.isConstant() ? 0 : length * i / kSamples;
+  for (int i = 0; i <= (piece.extinction.isConstant() ? 0 : kSamples); ++i) {
+    const double u = length * i / kSamples;
     const double value = std::exp(-piece.decay * u) * piece.extinction(u);
     least = std::min(least, value), most = std::max(most, std::abs(value));
   }
-  return least < -kOvershoot * most ? std::optional(least) : std::nullopt;
+  const bool clear = least < -kOvershoot * most && -least * std::min(length, kFar) > kNoDepth;
+  return clear ? std::optional(least) : std::nullopt;
 }
 
 /// Ends may be off by rounding.
@@ -138,6 +144,8 @@ std::string takePiece(PieceSink& sink, const volute_piece& from) {
     return fmt::format("a piece from {} to {} m has an extinction of {:g}/m; expected at least 0",
                        piece.begin, piece.end, *least / sink.factor);
   }
+  if (piece.extinction.isConstant())  // rounding below 0 must not grow along a piece without end
+    piece.extinction.c[0] = std::max(piece.extinction.c[0], 0.0);
   pieces.push_back(piece);
   return "";
 }
