@@ -93,9 +93,10 @@ inline void translateFailures() {
 /// What volute._progress.Listener takes of a remark. With the interpreter's lock.
 inline void tell(const py::object& listener, const Remark& remark) {
   py::list hints;
-  for (const Hint& hint : remark.hints) hints.append(adviceText({hint}, argumentText));
-  listener.attr("remark")(fullText(remark, argumentText), std::string(remarkName(remark.code)),
-                          remark.file, remark.place, hints);
+  for (const Hint& hint : remark.hints) hints.append(pathText(adviceText({hint}, argumentText)));
+  listener.attr("remark")(pathText(fullText(remark, argumentText)),
+                          std::string(remarkName(remark.code)), pathText(remark.file),
+                          pathText(remark.place), hints);
 }
 
 /// The interpreter's lock for something of the caller's.
@@ -122,7 +123,7 @@ class PythonProgress final : public Progress {
   void report(std::string_view stage, double done, double total) override {
     if (listener_.is_none() || (done < total && !due(reported_)))
       return;
-    guarded([&] { listener_.attr("report")(py::str(stage.data(), stage.size()), done, total); });
+    guarded([&] { listener_.attr("report")(pathText(std::string(stage)), done, total); });
   }
 
   void remark(const Remark& remark) override {

@@ -586,9 +586,10 @@ class Fds {
     return values;
   }
 
-  std::vector<std::string> remarks() const {
-    std::vector<std::string> sentences;
-    for (const Remark& remark : volume_->fdsCase().remarks()) sentences.push_back(remark.sentence);
+  py::list remarks() const {
+    py::list sentences;
+    for (const Remark& remark : volume_->fdsCase().remarks())
+      sentences.append(pathText(remark.sentence));
     return sentences;
   }
 

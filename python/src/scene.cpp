@@ -229,19 +229,22 @@ class PythonScene {
         volumes_(std::move(volumes)),
         maxMemory_(maxMemory) {}
 
-  std::string json() const { return job_.scene.json().dump(); }
+  /// Names of files that are no UTF-8 have U+FFFD in place of what is not.
+  std::string json() const {
+    return job_.scene.json().dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
+  }
 
-  std::string path() const { return job_.scene.path(); }
+  py::object path() const { return pathText(job_.scene.path()); }
 
   py::tuple bounds() const { return boundsTuple(job_.scene.bounds()); }
 
   std::vector<double> times() const { return job_.scene.times(); }
 
-  std::vector<std::tuple<std::string, std::string, std::string>> media() const {
-    std::vector<std::tuple<std::string, std::string, std::string>> result;
+  std::vector<std::tuple<std::string, py::object, std::string>> media() const {
+    std::vector<std::tuple<std::string, py::object, std::string>> result;
     for (const auto& medium : job_.scene.media()) {
       const MediumInfo& info = medium->info();
-      result.emplace_back(info.what, info.file, info.size);
+      result.emplace_back(info.what, pathText(info.file), info.size);
     }
     return result;
   }
@@ -390,6 +393,13 @@ class FieldRemarks {
  private:
   std::vector<Remark> reader_, extinction_;
 };
+
+/// Sentences, with names of files in them that need not be UTF-8.
+py::list textsOf(const std::vector<std::string>& sentences) {
+  py::list texts;
+  for (const std::string& sentence : sentences) texts.append(pathText(sentence));
+  return texts;
+}
 
 /// Passes each remark on once.
 class OnceTold final : public Progress {
@@ -733,9 +743,7 @@ class PythonTrajectories {
                    [&](Progress&) { return Trajectories::parse(text, file, height, eyeHeight); })) {
   }
 
-  std::vector<std::string> remarks() const {
-    return {walks_.remarks().begin(), walks_.remarks().end()};
-  }
+  py::list remarks() const { return textsOf({walks_.remarks().begin(), walks_.remarks().end()}); }
 
   py::tuple span() const { return py::make_tuple(walks_.begin(), walks_.end()); }
 
@@ -940,7 +948,7 @@ py::tuple reconstructFromLines(const py::object& source, const std::string& opti
   if (said.contains("iterations"))
     how.iterations = said["iterations"].get<int>();
   const bool leaveOut = said.value("force", false);
-  const bool isFile = py::isinstance<py::str>(source);
+  const bool isFile = py::isinstance<py::bytes>(source);
   const auto file = isFile ? source.cast<std::string>() : std::string("lines");
   LineFile lines = isFile ? LineFile() : linesOf(source.cast<py::tuple>());
   LineVolumes found = run(listener, [&](Progress& progress) {

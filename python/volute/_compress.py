@@ -143,12 +143,12 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
     rms = number("rms", rms)
     if not 0 < rms <= 1:
         raise ValueError(f"rms={rms!r}: expected a number above 0, at most 1")
-    said = {"voxel_size": voxel_size, "bounds": bounds, "matrix": matrix, "like": "" if like is None else os.fspath(like), "rms": rms,
+    said = {"voxel_size": voxel_size, "bounds": bounds, "matrix": matrix, "like": "" if like is None else os.fsencode(file_name(like, "like")), "rms": rms,
             "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
             "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis}
     from ._scene_api import _part
     with Listener(progress) as listener:
-        _part().resample(file_name(getattr(source, "path", source), "source"), file_name(output, "output"), said, size_of("max_memory", max_memory), listener)
+        _part().resample(os.fsencode(file_name(getattr(source, "path", source), "source")), os.fsencode(file_name(output, "output")), said, size_of("max_memory", max_memory), listener)
 
 
 def to_bytes(frames, **options):

@@ -35,11 +35,12 @@ def _part():
 def _text(said):
     """JSON. NumPy's numbers and arrays are numbers."""
     try:
-        return json.dumps(said, default=plain, allow_nan=False)
+        text = json.dumps(said, default=plain, allow_nan=False, ensure_ascii=False)
     except ValueError as error:
         if "JSON compliant" not in str(error):
             raise
         raise ValueError("a number is not finite; scenes have finite numbers") from None
+    return utf8("a text in a scene", text)
 
 
 def _points(points):
@@ -207,7 +208,8 @@ class Scene:
 
     def _opened(self, measured, progress, depth=False):
         """For measurements, those of optical depths among them, or as it is shown."""
-        name, said = self._maker
+        name, (first, second) = self._maker
+        said = (os.fsencode(first), second) if name == "open" else (first, os.fsencode(second))
         with Listener(progress) as listener:
             return getattr(_part().Scene, name)(*said, self._added, measured, depth, self._max_memory, listener)
 
@@ -374,7 +376,7 @@ class Scene:
         frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
         around its target by so many degrees over the film. The rest as for picture(). What is stopped leaves no file."""
         path = file_name(path)
-        said = {"target": path, "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
+        said = {"target": os.fsencode(path), "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
                 "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
                 **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter),
                 "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
@@ -480,7 +482,7 @@ class Sight:
         self._volumes = volumes = _Volumes()
         (self.path, members), scene = _looked_through(volumes, source, folder, members)
         with Listener() as listener:
-            self._sight = _part().Sight(self.path, members, scene, volumes.take(), max_memory, listener)
+            self._sight = _part().Sight(os.fsencode(self.path), members, scene, volumes.take(), max_memory, listener)
 
     def __reduce__(self):
         self._sight.times  # says that it is closed
@@ -563,13 +565,13 @@ class Survey:
 
 
 def _list_file(folder, key, said):
-    """The name of a file with a list of signs or criteria, which is written where the list itself is said."""
+    """The name of a file with a list of signs or criteria, as bytes, which is written where the list itself is said."""
     if not isinstance(said, (list, tuple)):
-        return file_name(said, key)
+        return os.fsencode(file_name(said, key))
     name = os.path.join(folder, key + ".json")
-    with open(name, "w") as file:
+    with open(name, "w", encoding="utf-8") as file:
         file.write(_text({key: list(said)}))
-    return name
+    return os.fsencode(name)
 
 
 class Engine:
@@ -587,7 +589,7 @@ class Engine:
         (self.path, members), scene = _looked_through(volumes, source, folder, members)
         with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
             said = "" if criteria is None else _list_file(folder, "criteria", criteria)
-            self._engine = _part().Engine(self.path, members, scene, volumes.take(), _list_file(folder, "signs", signs), said,
+            self._engine = _part().Engine(os.fsencode(self.path), members, scene, volumes.take(), _list_file(folder, "signs", signs), said,
                                           size_of("max_memory", max_memory), listener)
 
     def close(self):
@@ -691,7 +693,7 @@ class Trajectories:
     def __init__(self, path, height=None, eye_height=1.8):
         with open(path, "rb") as file:
             text = file.read()
-        self._walks = _part().Trajectories(text, file_name(path), height, eye_height)
+        self._walks = _part().Trajectories(text, os.fsencode(file_name(path)), height, eye_height)
         self.begin, self.end = self._walks.span  #: [s]
         self.remarks = self._walks.remarks
 
@@ -789,7 +791,7 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if lines:
         return _from_lines(capture, output, rms, said, max_memory, progress)
     with Listener(progress) as listener:
-        values, place, report, sigma = part.reconstruct(file_name(capture, "capture"), output or "", number("rms", rms), _text(said),
+        values, place, report, sigma = part.reconstruct(os.fsencode(file_name(capture, "capture")), os.fsencode(output or ""), number("rms", rms), _text(said),
                                                         size_of("max_memory", max_memory), listener)
     if output is not None:
         values = _open(output, grid=place["grid"])
@@ -799,7 +801,7 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
 
 
 def _from_lines(lines, output, rms, said, max_memory, progress):
-    source = lines._said() if isinstance(lines, Lines) else file_name(lines, "lines")
+    source = lines._said() if isinstance(lines, Lines) else os.fsencode(file_name(lines, "lines"))
     with Listener(progress) as listener:
         values, place, records = _part().reconstruct_lines(source, _text(said), size_of("max_memory", max_memory), listener)
     found = Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]),
