@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -360,22 +361,28 @@ class FieldRemarks {
   /// @param reader  what was told while the field was opened
   explicit FieldRemarks(std::vector<Remark> reader) : reader_(std::move(reader)) {}
 
-  /// Tells the listener what is new: again where it has become doubtful, or no longer is.
+  /// What is new and to be told: again where other doubts have come up, or none is left. The caller
+  /// tells it without a lock: who is told may ask for sentences().
   /// @param all  whether the field was read at all of its times
-  void judge(const SightField& field, bool all, Progress& progress) {
-    const double largest = field.largestRead().value_or(-1);
-    if (largest < 0 || (largest == 0 && !all))
-      return;
-    const auto doubts = [](const std::vector<Remark>& remarks) {
-      return std::ranges::count(remarks, RemarkCode::kDoubtful, &Remark::code);
-    };
-    auto found = field.remarksOn(largest);
-    const bool changed = extinction_.empty() || doubts(found) != doubts(extinction_);
-    extinction_ = std::move(found);
-    for (const Remark& remark : extinction_) {
-      if (changed)
-        progress.remark(remark);
+  [[nodiscard]] std::vector<Remark> judge(const SightField& field, bool all) {
+    const auto largest = field.largestRead();
+    if (!largest)
+      return {};
+    largest_ = std::max(largest_, *largest);  // a field that was opened again begins anew
+    auto found = field.remarksOn(largest_);
+    if (!all) {
+      // Times that were not read may bring more: what is too little for now is not told.
+      const auto lasting = doubtsOf(field.remarksOn(kBeyondAll));
+      std::erase_if(found, [&](const Remark& remark) {
+        return remark.code == RemarkCode::kDoubtful &&
+               std::ranges::find(lasting, lettersOf(remark)) == lasting.end();
+      });
     }
+    if (found.empty())
+      return {};
+    const bool changed = extinction_.empty() || doubtsOf(found) != doubtsOf(extinction_);
+    extinction_ = std::move(found);
+    return changed ? extinction_ : std::vector<Remark>();
   }
 
   std::vector<std::string> sentences() const {
@@ -391,7 +398,27 @@ class FieldRemarks {
   }
 
  private:
+  /// The doubts among remarks, without the numbers in them.
+  static std::vector<std::string> doubtsOf(const std::vector<Remark>& remarks) {
+    std::vector<std::string> doubts;
+    for (const Remark& remark : remarks) {
+      if (remark.code == RemarkCode::kDoubtful)
+        doubts.push_back(lettersOf(remark));
+    }
+    return doubts;
+  }
+
+  static std::string lettersOf(const Remark& remark) {
+    std::string letters;
+    std::ranges::copy_if(remark.sentence, std::back_inserter(letters),
+                         [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); });
+    return letters;
+  }
+
+  static constexpr double kBeyondAll = 1e12;  // [1/m]; a piece of metal is clear beside it
+
   std::vector<Remark> reader_, extinction_;
+  double largest_ = 0;  // [1/m], that was read
 };
 
 /// Sentences, with names of files in them that need not be UTF-8.
@@ -438,23 +465,27 @@ class Sight {
     const auto own = std::make_shared<MemoryVolumes>();
     addVolumes(*own, volumes);
     options_.files.volumes = own;
-    run(listener, [&](Progress& progress) {
-      const std::lock_guard lock(mutex_);
-      return open(progress);
+    run(listener, [&](Progress& progress) -> Status {
+      VOLUTE_ASSIGN(auto told, open(progress));
+      remarks_ = FieldRemarks(std::move(told));
+      return {};
     });
   }
 
-  std::vector<double> times() const { return times_; }
+  std::vector<double> times() const { return known().times; }
 
-  py::tuple bounds() const { return boundsTuple(bounds_); }
+  std::size_t timeCount() const {
+    const std::lock_guard lock(knownMutex_);
+    return known_.times.size();
+  }
 
-  std::string description() const { return description_; }
+  py::tuple bounds() const { return boundsTuple(known().bounds); }
 
-  std::vector<std::string> remarks() {
-    return unlocked([&] {
-      const std::lock_guard lock(mutex_);
-      return remarks_.sentences();
-    });
+  py::object description() const { return pathText(known().description); }
+
+  py::list remarks() const {
+    const std::lock_guard lock(knownMutex_);
+    return textsOf(remarks_.sentences());
   }
 
   /// Depths of lines at a stored time.
@@ -507,7 +538,7 @@ class Sight {
         if (progress.cancelled())
           return fail(ErrorCode::kCancelled, "stopped");
         VOLUTE_ASSIGN(const auto at, snapshot(times[t], progress));
-        VOLUTE_ASSIGN(const auto targets, placeSigns(*at, signs, bounds_, progress));
+        VOLUTE_ASSIGN(const auto targets, placeSigns(*at, signs, known().bounds, progress));
         lookAround(*at, targets, from, std::span(all).subspan(t * each, each));
         progress.report("looking", static_cast<double>(t + 1), static_cast<double>(times.size()));
       }
@@ -539,37 +570,54 @@ class Sight {
   };
 
  private:
-  Status open(Progress& progress) {
+  struct Known {
+    std::vector<double> times;
+    Box3 bounds;
+    std::string description;
+  };
+
+  Known known() const {
+    const std::lock_guard lock(knownMutex_);
+    return known_;
+  }
+
+  /// @return what was told
+  Result<std::vector<Remark>> open(Progress& progress) {
     OnceTold log(progress);
     snapshot_ = nullptr;
     VOLUTE_ASSIGN(field_, lookedThrough(path_, scene_, options_, log));
-    times_.assign(field_->times().begin(), field_->times().end());
-    bounds_ = field_->bounds();
-    description_ = field_->description();
+    Known now{
+        {field_->times().begin(), field_->times().end()}, field_->bounds(), field_->description()};
+    {
+      const std::lock_guard lock(knownMutex_);
+      known_ = std::move(now);
+    }
     for (const Remark& remark : field_->remarks()) log.remark(remark);
-    remarks_ = FieldRemarks(log.told());
-    return {};
+    return log.told();
   }
 
   /// After what was read.
   Status judge(Progress& progress) {
-    VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
-    remarks_.judge(*field_, read_.size() == times_.size(), progress);
+    std::vector<Remark> told;
+    {
+      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
+      const std::lock_guard brief(knownMutex_);
+      told = remarks_.judge(*field_, read_.size() == known_.times.size());
+    }
+    for (const Remark& remark : told) progress.remark(remark);
     return {};
   }
 
   /// Fields are read forwards: for an earlier time they are opened again.
   Result<std::shared_ptr<const SightSnapshot>> snapshot(std::size_t time, Progress& progress) {
     VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Sight"));
-    if (time >= times_.size()) {
+    if (time >= known_.times.size()) {
       return fail(ErrorCode::kInvalidArgument, "there is no stored time {}; there are {}", time,
-                  times_.size());
+                  known_.times.size());
     }
     if (snapshot_ && time < time_) {
       Progress quiet;  // it has told
-      auto told = std::move(remarks_);
       VOLUTE_TRY(open(quiet));
-      remarks_ = std::move(told);
     }
     if (!snapshot_ || time != time_) {
       if (progress.cancelled())
@@ -587,11 +635,10 @@ class Sight {
   std::unique_ptr<SightField> field_;
   std::shared_ptr<const SightSnapshot> snapshot_;
   std::size_t time_ = 0;
-  std::vector<double> times_;
-  Box3 bounds_;
-  std::string description_;
-  FieldRemarks remarks_;
-  std::set<std::size_t> read_;  // times
+  std::set<std::size_t> read_;     // times
+  mutable std::mutex knownMutex_;  // of what is asked for at any time; held briefly
+  Known known_;                    // written with both
+  FieldRemarks remarks_;           // the same
 };
 
 /// Who sees which sign, and what people take in, asked again and again while time goes on.
@@ -619,11 +666,9 @@ class Engine {
     });
   }
 
-  std::vector<std::string> remarks() {
-    return unlocked([&] {
-      const std::lock_guard lock(mutex_);
-      return remarks_.sentences();
-    });
+  py::list remarks() const {
+    const std::lock_guard lock(remarksMutex_);
+    return textsOf(remarks_.sentences());
   }
 
   std::vector<double> times() const { return {engine_->times().begin(), engine_->times().end()}; }
@@ -661,7 +706,7 @@ class Engine {
   py::array sees(double time, const Points& eyes, const py::object& listener) {
     const auto from = eyesOf(time, eyes);
     std::vector<Seen> seen(engine_->signs().size() * from.size());
-    ask(listener, [&] { return engine_->sees(from, time, seen); });
+    ask(time, listener, [&] { return engine_->sees(from, time, seen); });
     py::array_t<std::uint8_t> out({engine_->signs().size(), from.size()});
     std::ranges::transform(seen, out.mutable_data(),
                            [](Seen one) { return static_cast<std::uint8_t>(one); });
@@ -678,7 +723,7 @@ class Engine {
     py::array_t<double> out({engine_->criteria().size(), from.size()});
     const std::span all(out.mutable_data(), static_cast<std::size_t>(out.size()));
     std::vector<double> means(worst ? all.size() : 0);
-    ask(listener, [&] {
+    ask(time, listener, [&] {
       const std::span<const std::int64_t> people(ids.data(), from.size());
       return worst ? engine_->dose(people, from, time, means, all)
                    : engine_->dose(people, from, time, all);
@@ -689,7 +734,7 @@ class Engine {
   py::array extinction(double time, const Points& eyes, const py::object& listener) {
     const auto from = eyesOf(time, eyes);
     py::array_t<double> out(static_cast<py::ssize_t>(from.size()));
-    ask(listener,
+    ask(time, listener,
         [&] { return engine_->extinction(from, time, {out.mutable_data(), from.size()}); });
     return out;
   }
@@ -719,18 +764,39 @@ class Engine {
 
   /// One thread at a time.
   template <class Question>
-  void ask(const py::object& listener, const Question& question) {
+  void ask(double time, const py::object& listener, const Question& question) {
     run(listener, [&](Progress& progress) -> Status {
-      VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Engine"));
-      VOLUTE_TRY(question());
-      remarks_.judge(*field_, false, progress);
+      std::vector<Remark> told;
+      {
+        VOLUTE_ASSIGN(const auto lock, waitFor(mutex_, "the Engine"));
+        VOLUTE_TRY(question());
+        const std::lock_guard brief(remarksMutex_);
+        told = remarks_.judge(*field_, readAll(time));
+      }
+      for (const Remark& remark : told) progress.remark(remark);
       return {};
     });
+  }
+
+  /// Whether all stored times were read, those around this one [s] among them.
+  bool readAll(double time) {
+    const std::span<const double> times = engine_->times();
+    const auto after = std::ranges::lower_bound(times, time);
+    if (after != times.end()) {
+      const auto index = static_cast<std::size_t>(after - times.begin());
+      if (*after == time || index > 0)
+        read_.insert(index);
+      if (*after != time && index > 0)
+        read_.insert(index - 1);
+    }
+    return read_.size() == times.size();
   }
 
   std::mutex mutex_;
   std::shared_ptr<SightField> field_;  // the engine's
   std::unique_ptr<SightEngine> engine_;
+  std::set<std::size_t> read_;       // stored times
+  mutable std::mutex remarksMutex_;  // held briefly, also inside mutex_
   FieldRemarks remarks_;
 };
 
@@ -1064,6 +1130,7 @@ PYBIND11_MODULE(_scene, m) {
                     const py::object&>(),
            "path"_a, "members"_a, "scene"_a, "volumes"_a, "max_memory"_a, "listener"_a)
       .def_property_readonly("times", &volute::python::Sight::times)
+      .def_property_readonly("time_count", &volute::python::Sight::timeCount)
       .def_property_readonly("bounds", &volute::python::Sight::bounds)
       .def_property_readonly("description", &volute::python::Sight::description)
       .def_property_readonly("remarks", &volute::python::Sight::remarks)

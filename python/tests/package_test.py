@@ -11,6 +11,7 @@ import importlib.util
 import inspect
 import io
 import json
+import logging
 import os
 import pathlib
 import pickle
@@ -1687,7 +1688,9 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         self.assertEqual((doubts[0].code, doubts[0].hints), ("doubtful", []))
         self.assertTrue(any("much for soot" in one for one in sight.remarks))
         with self.assertNoLogs("volute", "INFO") if hasattr(self, "assertNoLogs") else contextlib.nullcontext():
-            sight.look([0.5, 0.5, 0.5], [1, 1, 1], 0)  # back in time, and told already
+            for time in (0, 1, 0):  # back in time, and told already
+                sight.look([0.5, 0.5, 0.5], [1, 1, 1], time)
+        self.assertTrue(any("much for soot" in one for one in sight.remarks))
         engine = volute.Engine(mesh, sign, **said)
         with self.assertLogs("volute", "WARNING") as log:
             engine.sees([[0.5, 0.5, 0.5]], 60.0)
@@ -1701,6 +1704,91 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         with self.assertLogs("volute", "WARNING") as log:
             volute.render(values, bounds=((0, 0, 0), (10, 10, 10)), extinction=1.0, camera=camera, size=(1, 1))
         self.assertIn("16 values are below 0, the smallest -3", log.output[0])
+        values = np.zeros((4, 4, 4))
+        values[0, 0, 0] = -1e-30  # rounding, in clear air
+        with self.assertNoLogs("volute", "WARNING") if hasattr(self, "assertNoLogs") else contextlib.nullcontext():
+            volute.render(values, bounds=((0, 0, 0), (10, 10, 10)), extinction=1.0, camera=camera, size=(1, 1))
+        self.assertEqual(volute.Sight(values, extinction=1.0).look([-1, 0.5, 0.5], [2, 0.5, 0.5])["blocked"].tolist(), [False])
+
+    def test_little_smoke_is_doubted_when_all_times_were_read(self):
+        points, cells = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4.0]]), [[0, 1, 2, 3]]
+        said = {"field": "soot", "quantity": "soot-density"}
+        sign = [{"name": "e", "position": [2, 0.5, 0.5], "normal": [-1, 0, 0]}]
+        line = [0.5, 0.5, 0.5], [1, 1, 1]
+
+        def doubts(call):
+            with self.assertLogs("volute", "INFO") as log:
+                logging.getLogger("volute").info("")
+                call()
+            return [one.getMessage() for one in log.records if one.levelname == "WARNING"]
+
+        def mesh(*soot):
+            return volute.Mesh(points, cells, {"soot": np.ones((len(soot), 4)) * np.reshape(soot, (-1, 1))}, times=30.0 * np.arange(len(soot)))
+        growing = volute.Sight(mesh(0, 1e-9, 1e-4), **said)
+        engine = volute.Engine(mesh(0, 1e-9, 1e-4), sign, **said)
+        for index in (1, 0, 2, 1, 0):
+            self.assertEqual(doubts(lambda: growing.look(*line, index)), [])
+            self.assertEqual(doubts(lambda: engine.sees([line[0]], 30.0 * index)), [])
+        self.assertFalse(any("clear air" in one for one in growing.remarks))
+        thin = volute.Sight(mesh(0, 1e-9), **said)
+        self.assertEqual(doubts(lambda: thin.look(*line, 1)), [])
+        self.assertRegex("".join(doubts(lambda: thin.look(*line, 0))), "clear air")
+        self.assertEqual(doubts(lambda: thin.look(*line, 1)), [])
+        engine = volute.Engine(mesh(0, 1e-9), sign, **said)
+        self.assertRegex("".join(doubts(lambda: engine.sees([line[0]], 15.0))), "clear air")
+        # From too little to too much: another doubt, and no more of them.
+        wrong = volute.Sight(mesh(1e-9, 13), **said)
+        self.assertEqual(doubts(lambda: wrong.look(*line, 0)), [])
+        self.assertRegex("".join(doubts(lambda: wrong.look(*line, 1))), "much for soot")
+        self.assertEqual(doubts(lambda: wrong.look(*line, 0)), [])
+
+    def test_whoever_is_told_may_ask(self):
+        """For what was told, in another thread: one that never ends would hold up the test."""
+        points, cells = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4.0]]), [[0, 1, 2, 3]]
+        said = {"field": "soot", "quantity": "soot-density"}
+        mesh, line = volute.Mesh(points, cells, {"soot": np.full(4, 13.0)}), ([0.5, 0.5, 0.5], [1, 1, 1])
+        sight = volute.Sight(mesh, **said)
+        engine = volute.Engine(mesh, [{"name": "e", "position": [2, 0.5, 0.5], "normal": [-1, 0, 0]}], **said)
+        for asked, call in ((sight, lambda: sight.look(*line)), (engine, lambda: engine.sees([line[0]], 0.0))):
+            heard = []
+
+            class Asks(logging.Handler):
+                def emit(self, record):
+                    heard.append(len(asked.remarks))
+            handler = Asks()
+            logging.getLogger("volute").addHandler(handler)
+            try:
+                thread = threading.Thread(target=call, daemon=True)
+                thread.start()
+                thread.join(30)
+            finally:
+                logging.getLogger("volute").removeHandler(handler)
+            self.assertFalse(thread.is_alive())
+            self.assertGreater(min(heard), 0)
+
+    def test_names_of_files_need_not_be_utf8(self):
+        values = np.ones((1, 4, 4, 4), np.float32)
+        values[:, 0] = -3
+        name = os.path.join(os.fsencode(self.path), b"\xff.npy")
+        np.save(os.fsdecode(name), values)
+        for given in (name, os.fsdecode(name)):
+            with self.assertLogs("volute", "WARNING") as log:
+                volute.render(given, size=(4, 3), extinction=1.0)
+            self.assertEqual(log.records[0].file, os.fsdecode(name))
+        scene = volute.Scene(name, extinction=1.0)
+        self.assertEqual((scene.path, scene.media[0][1]), (os.fsdecode(name),) * 2)
+        self.assertEqual(scene.json["media"][0]["kind"], "volume")
+        scene.film(os.path.join(os.fsencode(self.path), b"\xfe_%02d.png"), size=(16, 16))
+        self.assertTrue(os.path.exists(os.path.join(os.fsencode(self.path), b"\xfe_00.png")))
+        np.save(os.fsdecode(name), abs(values))
+        sight = volute.Sight(name, extinction=1.0)
+        self.assertIsInstance(sight.remarks, list)
+        self.assertIn("\udcff", sight.path)
+        with self.assertRaises(FileNotFoundError) as raised:
+            volute.Sight(name + b".npy", extinction=1.0)
+        self.assertEqual(raised.exception.filename, os.fsdecode(name) + ".npy")
+        with self.assertRaisesRegex(ValueError, "expected a text that UTF-8 can hold"):
+            volute.Scene({"format": "volute-scene-2", "media": [{"kind": "volume", "file": os.fsdecode(name)}]})
 
     def test_a_reconstruction_keeps_its_basis(self):
         found = volute.reconstruct(self.capture(), iterations=3)

@@ -529,22 +529,22 @@ class Sight:
         if np.ndim(time):
             raise TypeError(f"time={time!r}: expected one index of a stored time")
         with Listener() as listener:
-            return self._sight.look(int(_stored("time", time, self.times)[0]), eyes, targets, listener)
+            return self._sight.look(int(_stored("time", time, self._sight.time_count)[0]), eyes, targets, listener)
 
     def __repr__(self):
         times = self.times
         return f"<volute.Sight {os.path.basename(self.path)}: {self.description}; {len(times)} times, {times[0]:g} to {times[-1]:g} s>"
 
 
-def _stored(what, indices, times):
-    """Indices of stored times, shape (n,)."""
+def _stored(what, indices, count):
+    """Indices of `count` stored times, shape (n,)."""
     found = np.atleast_1d(unmasked(indices, what))
     if found.size and (found.ndim > 1 or found.dtype.kind not in "iu"):
-        raise TypeError(f"{what}={indices!r}: expected indices of stored times, whole numbers from 0 to {len(times) - 1}; Sight.times has these "
+        raise TypeError(f"{what}={indices!r}: expected indices of stored times, whole numbers from 0 to {count - 1}; Sight.times has these "
                         "times [s], and those of an array are given by Sight(array, times=..)")
-    wrong = [int(one) for one in found if not 0 <= one < len(times)]
+    wrong = [int(one) for one in found if not 0 <= one < count]
     if wrong:
-        raise InvalidArgument(f"{what}: there is no stored time {wrong[0]}; there are {len(times)}, from 0")
+        raise InvalidArgument(f"{what}: there is no stored time {wrong[0]}; there are {count}, from 0")
     return found.astype(np.int64)
 
 
@@ -721,7 +721,7 @@ def visibility(source, signs, eyes, *, times=None, max_memory=4 << 30, progress=
     sight = source if isinstance(source, Sight) else Sight(source, max_memory=max_memory, **members)
     eyes = _points(eyes)
     stored = sight.times
-    chosen = np.arange(len(stored)) if times is None else _stored("times", times, stored)
+    chosen = np.arange(len(stored)) if times is None else _stored("times", times, len(stored))
     with tempfile.TemporaryDirectory() as folder, Listener(progress) as listener:
         signs = _list_file(folder, "signs", signs)
         table = sight._sight.survey(chosen.tolist(), signs, eyes, listener)
