@@ -20,8 +20,7 @@ namespace volute {
 namespace {
 
 constexpr std::size_t kLongestLine = std::size_t{1} << 26;  // of a million devices
-constexpr std::size_t kMaxRows = 1000000;
-constexpr std::size_t kNamed = 5;  // in a remark
+constexpr std::size_t kNamed = 5;                           // in a remark
 
 /// The files of a kind of table.
 std::vector<std::filesystem::path> tablesOf(const SmvIndex& index, std::string_view kind) {
@@ -56,7 +55,8 @@ class CurveReader {
               std::map<std::string, StoredSpan>& spans)
       : path_(path.string()), found_(found), spans_(spans) {}
 
-  Status read(const WantedCurve& wanted) {
+  /// @param most  values of all curves together
+  Status read(const WantedCurve& wanted, std::size_t most) {
     VOLUTE_ASSIGN(auto lines, TextLines::open(path_, kLongestLine));
     VOLUTE_ASSIGN(const auto units, lines.next());
     VOLUTE_ASSIGN(const auto names, lines.next());
@@ -82,10 +82,15 @@ class CurveReader {
     seconds_ = *change;
     choose(asUtf8(unitNames), asUtf8(*names), wanted);
     named_ = fieldsOf(*names, separator_).size();
-    for (std::size_t row = 0; row < kMaxRows && !curves_.empty(); ++row) {
+    while (!curves_.empty()) {
       VOLUTE_ASSIGN(const auto line, lines.next());
       if (!line)
         break;
+      if (stored_ + curves_.size() > most) {
+        leftOut("has more than {} values; those from line {} on, after {:g} s, are left out", most,
+                lines.lineNumber(), last_);
+        break;
+      }
       take(*line, lines.lineNumber());
     }
     if (lines.endedWithinLine())
@@ -157,13 +162,16 @@ class CurveReader {
       }
       curves_[c].times.push_back(*time);
       curves_[c].values.push_back(*value);
+      ++stored_;
     }
   }
 
   /// FDS was started again: what it wrote from that time on is replaced.
   void goBack(double time, int number) {
+    stored_ = 0;
     for (FactCurve& curve : curves_) {
       const auto kept = std::ranges::lower_bound(curve.times, time) - curve.times.begin();
+      stored_ += static_cast<std::size_t>(kept);
       curve.times.resize(static_cast<std::size_t>(kept));
       curve.values.resize(static_cast<std::size_t>(kept));
     }
@@ -256,7 +264,8 @@ class CurveReader {
   std::vector<FactCurve> curves_;
   std::vector<std::size_t> columns_;  // of each curve
   double last_ = -std::numeric_limits<double>::infinity();
-  std::size_t named_ = 0;  // columns
+  std::size_t named_ = 0;   // columns
+  std::size_t stored_ = 0;  // values
   std::size_t badCells_ = 0, badTimes_ = 0, restarts_ = 0, longLines_ = 0;
   int firstBad_ = 0, firstLong_ = 0;
   std::string firstRestart_;
@@ -416,11 +425,11 @@ std::string DeviceUnits::misfit(const FactCurve& curve, std::string_view unit) {
 }
 
 Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
-                             const WantedCurve& wanted) {
+                             const WantedCurve& wanted, std::size_t most) {
   FdsCurves found;
   std::map<std::string, StoredSpan> spans;
   for (const std::filesystem::path& path : tablesOf(index, kind))
-    VOLUTE_TRY(CurveReader(path, found, spans).read(wanted));
+    VOLUTE_TRY(CurveReader(path, found, spans).read(wanted, most));
   return found;
 }
 

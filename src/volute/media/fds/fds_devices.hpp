@@ -25,12 +25,16 @@ struct FdsCurves {
   std::vector<std::string> remarks;  ///< cells, columns and lines that were left out
 };
 
+/// Of all wanted columns of a table together; they need 16 bytes each.
+inline constexpr std::size_t kMaxCurveValues = std::size_t{1} << 26;
+
 /// The wanted columns of the case's tables of that kind ("devc", "hrr"), as the index names them,
 /// else CHID_kind.csv. Where FDS was started again and times go back, the later lines count. A name
-/// that two columns have is nobody's; of one that two tables have there are two curves. kNotFound
-/// where there is no such file.
+/// that two columns have is nobody's; of one that two tables have there are two curves. Of a table
+/// with more than `most` values the rest is left out. kNotFound where there is no such file.
 [[nodiscard]] Result<FdsCurves> readCurves(const SmvIndex& index, std::string_view kind,
-                                           const WantedCurve& wanted);
+                                           const WantedCurve& wanted,
+                                           std::size_t most = kMaxCurveValues);
 
 /// One quantity of the air in FDS's words.
 struct FdsQuantity {

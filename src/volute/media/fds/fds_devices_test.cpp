@@ -148,6 +148,22 @@ TEST_F(FdsDevices, LinesThatAreNotWholeAreTold) {
   EXPECT_THAT(fdsFacts(read(head)).remarks, tells("made_devc.csv: has no line of values yet"));
 }
 
+TEST_F(FdsDevices, LongTablesAreReadWhole) {
+  device("T1", "TEMPERATURE");
+  constexpr int kRows = 1000000;
+  std::string table = "s,C\nTime,\"T1\"\n";
+  for (int row = 0; row < kRows; ++row) table += fmt::format("{},20\n", row);
+  const auto index = read(table + "1000000,90\n1000010,90\n");
+  auto field = fdsConditions(index, "temperature", 1 << 20).value();
+  EXPECT_EQ(valueAt(*field, 1000005, 1), 90);
+  EXPECT_TRUE(fdsFacts(index).remarks.empty());
+  const auto all = [](const auto&, const auto&) { return true; };
+  const auto cut = readCurves(index, "devc", all, 100).value();
+  EXPECT_EQ(cut.curves.front().times.back(), 99);
+  EXPECT_THAT(cut.remarks, tells("more than 100 values; those from line 103 on, after 99 s, are "
+                                 "left out"));
+}
+
 TEST_F(FdsDevices, OneLineOfValuesIsTold) {
   device("T1", "TEMPERATURE");
   device("T2", "TEMPERATURE");
