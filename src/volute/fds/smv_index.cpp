@@ -145,7 +145,8 @@ Status SmvReader::readNorth(std::string_view) {
   VOLUTE_ASSIGN(const auto values, numbers("the bearing of north [degrees]", 1));
   if (!std::isfinite(values[0]))
     return wrong(fmt::format("a bearing of north in degrees, not {:g}", values[0]));
-  index_.north = std::clamp(values[0], -180.0, 180.0);
+  constexpr double kTurn = 360;
+  index_.north = std::remainder(values[0], kTurn);
   return {};
 }
 

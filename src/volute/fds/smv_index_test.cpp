@@ -396,15 +396,16 @@ TEST(Obstructions, facesTurnOutwards) {
   EXPECT_GE(outward, 6);
 }
 
-TEST(SmvIndex, NorthIsClampedAndMustBeANumber) {
+TEST(SmvIndex, NorthIsABearingAndMustBeANumber) {
   const ScratchFolder folder;
   fdswriter::Index made;
   made.meshes.push_back({kFirst, {}, {}});
   const std::string text = made.text();
   fdswriter::saveText(folder / "made.smv", text);
   EXPECT_FALSE(SmvIndex::read(folder / "made.smv")->north);
-  for (const auto& [line, north] : {std::pair("30.5", 30.5), std::pair("-90", -90.0),
-                                    std::pair("270", 180.0), std::pair("-1e9", -180.0)}) {
+  for (const auto& [line, north] :
+       {std::pair("30.5", 30.5), std::pair("-90", -90.0), std::pair("270", -90.0),
+        std::pair("180", 180.0), std::pair("-1e9", 80.0)}) {
     fdswriter::saveText(folder / "made.smv", std::string("NORTHANGLE\n ") + line + "\n\n" + text);
     const auto index = SmvIndex::read(folder / "made.smv");
     ASSERT_TRUE(index) << line;
