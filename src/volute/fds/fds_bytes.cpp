@@ -190,6 +190,37 @@ Status FdsCase::findRounding(const Part& part) {
   return {};
 }
 
+/// The mass extinction of soot, where densities become extinction.
+void FdsCase::tellExtinction() {
+  const Part& part = *parts_.front();
+  const FdsInput& input = inputOf(index_);
+  const std::string inputName = input.path.filename().string();
+  const bool ofInput = source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot;
+  RemarkCode code = RemarkCode::kNote;
+  std::string from;
+  if (part.assumesExtinction) {
+    const bool unknown = !ofInput || input.path.empty();
+    code = unknown ? RemarkCode::kAssumed : RemarkCode::kNote;
+    from =
+        fmt::format("FDS's default{}", !unknown  ? ""
+                                       : ofInput ? ": its input file is not there to say another "
+                                                   "MASS_EXTINCTION_COEFFICIENT"
+                                                 : ": its .smv says none");
+  } else if (!ofInput || !input.massExtinction) {
+    return;  // that of the smoke's own entry, or of the caller
+  } else if (part.massExtinction != *input.massExtinction) {
+    from = fmt::format("as stated, although {} says {:g}", inputName, *input.massExtinction);
+  } else {
+    from = fmt::format("MASS_EXTINCTION_COEFFICIENT of {}", inputName);
+    if (input.otherExtinction) {
+      code = RemarkCode::kDoubtful;
+      from += fmt::format(", which says {:g} in another line", *input.otherExtinction);
+    }
+  }
+  remarks_.push_back({code, fmt::format("{}: the extinction of soot is {:g} m2/kg ({})",
+                                        index_.path.string(), part.massExtinction, from)});
+}
+
 /// C and the cap of visibility, the mass extinction of soot: as the caller or the input file says,
 /// else as FDS has them by default, unless the files have other values than these leave possible.
 Status FdsCase::findVisibility() {
@@ -197,15 +228,8 @@ Status FdsCase::findVisibility() {
   const std::string inputName = input.path.filename().string();
   if (!options_.quantity.empty() || source().kind == FdsFileKind::kClear)
     return {};
-  if (source().quantity == SmokeQuantity::kSootDensity && input.massExtinction &&
-      (source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot)) {
-    const double taken = parts_.front()->massExtinction;
-    remarks_.push_back(fmt::format(
-        "{}: the extinction of soot is {:g} m2/kg ({})", index_.path.string(), taken,
-        taken == *input.massExtinction
-            ? fmt::format("MASS_EXTINCTION_COEFFICIENT of {}", inputName)
-            : fmt::format("as stated, although {} says {:g}", inputName, *input.massExtinction)));
-  }
+  if (source().quantity == SmokeQuantity::kSootDensity && source().kind != FdsFileKind::kSmoke)
+    tellExtinction();
   if (source().quantity != SmokeQuantity::kVisibility)
     return {};
   visibilityFactor_ =

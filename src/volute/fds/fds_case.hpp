@@ -127,6 +127,7 @@ class FdsCase {
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
   Status findBytes();
   Status findVisibility();
+  void tellExtinction();
   void noteGaps(std::span<const FdsLattice> lattices);
   Status findGeneration();
   Status findHeatScale();

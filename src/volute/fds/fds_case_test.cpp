@@ -312,6 +312,41 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
               ElementsAre(HasSubstr("C = 3 (as stated, although made.fds says 8)")));
 }
 
+TEST(FdsCase, theMassExtinctionOfSootIsTold) {
+  const ScratchFolder folder;
+  fdswriter::Index index;
+  index.meshes.push_back({kFirst, {}, {}});
+  const fdswriter::Slice slice{whole(kFirst), "SOOT DENSITY", "rho", "kg/m3"};
+  fdswriter::sliceFile(slice,
+                       {{0, fdswriter::atNodes(kFirst, slice.at, [](auto...) { return 1e-4; })}})
+      .save(folder / "r.sf");
+  index.slice(1, slice, "r.sf", false);
+  index.input = "made.fds";
+  index.save(folder / "made.smv");
+  const auto told = [&](const std::string& reactions, const FdsOptions& options = {}) {
+    if (!reactions.empty())
+      fdswriter::saveText(folder / "made.fds", "&HEAD CHID='made' /\n" + reactions);
+    const FdsCase read = opened(folder / "made.smv", options);
+    const auto remarks = read.remarks();
+    EXPECT_EQ(remarks.size(), 1U);
+    return Remark(remarks.front());
+  };
+  const auto is = [](RemarkCode code, const std::string& text) {
+    return AllOf(::testing::Field(&Remark::code, code),
+                 ::testing::Field(&Remark::sentence, HasSubstr(text)));
+  };
+  EXPECT_THAT(told(""), is(RemarkCode::kAssumed,
+                           "soot is 8700 m2/kg (FDS's default: its input file is not there"));
+  const std::string one = "&REAC FUEL='A', MASS_EXTINCTION_COEFFICIENT=4000 /\n";
+  EXPECT_THAT(told("&REAC FUEL='A' /\n"), is(RemarkCode::kNote, "8700 m2/kg (FDS's default)"));
+  EXPECT_THAT(told(one), is(RemarkCode::kNote, "4000 m2/kg (MASS_EXTINCTION_COEFFICIENT of made"));
+  EXPECT_THAT(told(one + one), is(RemarkCode::kNote, "4000 m2/kg"));
+  EXPECT_THAT(told(one + "&REAC FUEL='B', MASS_EXTINCTION_COEFFICIENT=8000 /\n"),
+              is(RemarkCode::kDoubtful, "which says 4000 in another line"));
+  EXPECT_THAT(told(one, {.massExtinction = 7600}),
+              is(RemarkCode::kNote, "7600 m2/kg (as stated, although made.fds says 4000)"));
+}
+
 TEST(FdsCase, negativeExtinctionIsNoClearAir) {
   for (const double k : {-1e-6, -0.2}) {
     MadeCase made;

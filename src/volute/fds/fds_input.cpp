@@ -188,6 +188,15 @@ Status takeNumber(const FdsNamelist& group, const char* key, const std::filesyst
               path.string(), group.line, key, group.text(key).substr(0, 40));
 }
 
+Status takeExtinction(const FdsNamelist& group, const std::filesystem::path& path,
+                      FdsInput& input) {
+  const auto before = input.massExtinction;
+  VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
+  if (before && before != input.massExtinction)
+    input.otherExtinction = before;
+  return {};
+}
+
 /// ".TRUE.", "T".
 bool isTrue(const std::string& value) {
   return capitals(value).starts_with("T") || capitals(value).starts_with(".T");
@@ -233,12 +242,12 @@ Status take(const std::string& text, const std::filesystem::path& path, FdsInput
       const std::string fuel = group.text("FUEL").empty() ? id : group.text("FUEL");
       input.reactions.push_back(
           {fuel, group.number("SOOT_YIELD").value_or(0), group.number("CO_YIELD").value_or(0)});
-      VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
+      VOLUTE_TRY(takeExtinction(group, path, input));
     } else if (group.group == "SPEC") {
       if (!group.text("FORMULA").empty())
         formulas[id] = group.text("FORMULA");
       if (capitals(id) == "SOOT")
-        VOLUTE_TRY(takeNumber(group, kMassExtinction, path, input.massExtinction));
+        VOLUTE_TRY(takeExtinction(group, path, input));
     } else if (group.group == "SURF") {
       const bool burns =
           group.number("HRRPUA").value_or(0) > 0 || group.number("MLRPUA").value_or(0) > 0;

@@ -57,7 +57,8 @@ struct FdsInput {
   std::optional<double> ambient;  ///< TMPA [degrees C]; FDS's default is 20
   std::optional<double> visibilityFactor;
   std::optional<double> maximumVisibility;  ///< [m]
-  std::optional<double> massExtinction;     ///< of soot [m2/kg]
+  std::optional<double> massExtinction;     ///< of soot [m2/kg]: what the last line states
+  std::optional<double> otherExtinction;    ///< what an earlier one states, which differs
   std::vector<Reaction> reactions;
   std::set<std::string> burning;          ///< surfaces with a heat or mass release
   std::map<std::string, Device> devices;  ///< by ID

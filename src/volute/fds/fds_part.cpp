@@ -136,8 +136,8 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
   } else {
     const FdsSmokeEntry& entry = index_.smoke[what.entry];
     part->path = entry.file;
-    if (entry.massExtinction)
-      part->massExtinction = *entry.massExtinction;
+    part->massExtinction = entry.massExtinction.value_or(part->massExtinction);
+    part->assumesExtinction = !entry.massExtinction;
     if (source().kind == FdsFileKind::kSmoke16) {
       VOLUTE_TRY(hold(FdsSmoke16File::open(part->path.replace_extension(".s16"), mesh)));
     } else {
@@ -147,10 +147,15 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
       VOLUTE_TRY(hold(FdsSmokeFile::open(part->path, mesh)));
     }
   }
-  if (source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot)
-    part->massExtinction = inputOf(index_).massExtinction.value_or(part->massExtinction);
-  if (options_.massExtinction > 0)
+  if (source().kind == FdsFileKind::kSlice || source().kind == FdsFileKind::kPlot) {
+    const auto stated = inputOf(index_).massExtinction;
+    part->massExtinction = stated.value_or(part->massExtinction);
+    part->assumesExtinction = !stated;
+  }
+  if (options_.massExtinction > 0) {
     part->massExtinction = options_.massExtinction;
+    part->assumesExtinction = false;
+  }
   part->cellLength = mesh.planes[0][1] - mesh.planes[0][0];
   part->lattice.mesh = what.mesh;
   part->lattice.nodal = !source().cellCentred;

@@ -25,6 +25,7 @@ struct FdsCase::Part {
   FdsFileAxes axes;
   std::array<std::vector<std::array<int, 2>>, 3> meshCells;  // of each lattice cell
   double massExtinction = kFdsMassExtinction;
+  bool assumesExtinction = false;    // nobody states it
   double cellLength = 0;             // dx of the opacity of .s3d [m]
   std::vector<FdsSizeRow> sizeRows;  // of .s3d
   static constexpr std::size_t kNoFrame = std::numeric_limits<std::size_t>::max();
