@@ -16,6 +16,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/printable.hpp"
 
 namespace volute {
 namespace {
@@ -245,6 +246,28 @@ Status checkFoamDimensions(const std::filesystem::path& casePath) {
   return {};
 }
 
+Status checkFoamReference(const std::filesystem::path& casePath, const std::string& field,
+                          double time) {
+  const auto folder = folderAt(casePath, time);
+  const auto file = folder ? present(*folder / field) : std::nullopt;
+  const std::string text = file ? withoutComments(beginOf(*file)) : "";
+  const std::string_view head = std::string_view(text).substr(0, text.find("internalField"));
+  constexpr std::string_view kKey = "referenceLevel", kSpace = " \t\r\n";
+  const std::size_t key = head.find(kKey);
+  if (key == head.npos)
+    return {};
+  const std::size_t begin =
+      std::min(head.find_first_not_of(kSpace, key + kKey.size()), head.size());
+  const std::string_view level = head.substr(begin, head.find(';', begin) - begin);
+  const auto number = numberOf<double>(level.substr(0, level.find_first_of(kSpace)));
+  if (number && *number == 0)
+    return {};
+  return failIn(file->string(), "", ErrorCode::kUnsupported,
+                "its referenceLevel, {}, is added to all values by OpenFOAM and not here; expected "
+                "0: write the field without one",
+                printable(level));
+}
+
 bool hasFoamField(const std::filesystem::path& casePath, const std::string& field, double time) {
   const auto folder = folderAt(casePath, time);
   return folder && present(*folder / field);
@@ -328,10 +351,10 @@ std::vector<Remark> foamRemarks(const std::filesystem::path& casePath) {
                     missing.size(), missing.front(), missing.back()));
   }
   if (const auto regions = regionsOf(folder); !regions.empty())
-    say(RemarkCode::kNote,
+    say(RemarkCode::kLeftOut,
         fmt::format("regions besides the default one are left out: {}", fmt::join(regions, ", ")));
   if (const auto clouds = cloudsOf(folder, own); !clouds.empty())
-    say(RemarkCode::kNote,
+    say(RemarkCode::kLeftOut,
         fmt::format("clouds of particles are left out: {}", fmt::join(clouds, ", ")));
   return remarks;
 }

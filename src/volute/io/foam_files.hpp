@@ -25,6 +25,11 @@ using FoamDimensions = std::array<double, 7>;
 /// fields of all times.
 [[nodiscard]] Status checkFoamDimensions(const std::filesystem::path& casePath);
 
+/// Refuses a field at a time [s] whose referenceLevel is not 0: OpenFOAM adds it to the values, and
+/// VTK does not.
+[[nodiscard]] Status checkFoamReference(const std::filesystem::path& casePath,
+                                        const std::string& field, double time);
+
 /// Whether a file of this name, packed or not, is in the folder of a time [s].
 [[nodiscard]] bool hasFoamField(const std::filesystem::path& casePath, const std::string& field,
                                 double time);

@@ -156,6 +156,21 @@ TEST(MeshCases, DimensionsOfOpenFoamByUnitsNamesAreNotTakenForDamage) {
       HasSubstr("20/soot: its dimensions are units' names, [kg m^-3]; expected the powers"));
 }
 
+TEST(MeshCases, ReferenceLevelsOfOpenFoamAreRefused) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  const std::string text = readBytes(folder / "20" / "soot");
+  const auto with = [&](const std::string& level) {
+    std::string other = text;
+    writeBytes(folder / "20" / "soot", other.insert(other.find("internalField"), level));
+    auto source = MeshSource::open(folder / "box.foam", {.field = "soot"});
+    const auto frame = source->read(1);
+    return frame ? "" : frame.error().message;
+  };
+  EXPECT_EQ(with("referenceLevel 0;\n// referenceLevel 5;\n"), "");
+  EXPECT_THAT(with("referenceLevel 5;\n"), HasSubstr("20/soot: its referenceLevel, 5, is added"));
+}
+
 TEST(MeshCases, DecomposedOpenFoamSaysHowToReadIt) {
   const TempFolder folder;
   writeFoam(folder.path());
@@ -208,6 +223,7 @@ TEST(MeshCases, WhatAnOpenFoamCaseHasBesidesIsTold) {
   EXPECT_THAT(source.remarks()[0].sentence,
               HasSubstr("regions besides the default one are left out: wall"));
   EXPECT_THAT(source.remarks()[1].sentence, HasSubstr("clouds of particles are left out: spray"));
+  for (const Remark& remark : source.remarks()) EXPECT_EQ(remark.code, RemarkCode::kLeftOut);
   EXPECT_THAT(foamGravity(folder / "box.foam"),
               HasSubstr("constant/g is (0 -9.81 0), and z is upwards here"));
   writeBytes(folder / "constant" / "g",

@@ -192,6 +192,7 @@ class VtkMeshReader final : public MeshReader {
     if (wanted.empty() && extensionOf(path) == ".case")
       VOLUTE_TRY(checkEnsight(path, data_.field, volume.time));
     if (foam) {
+      VOLUTE_TRY(checkFoamReference(path, data_.field, volume.time));
       data_.dimensions = foamDimensions(path, data_.field, volume.time);
       names.clear();
       for (std::string& name : foamFields(path, volume.time)) {
