@@ -710,6 +710,24 @@ class GridJoin {
   bool copies_ = false;
 };
 
+/// Says which parts begin at other times than they state.
+void tellShifts(const std::vector<Part>& parts, const VolumeInfo& joined, Progress& progress) {
+  std::size_t first = 0;
+  for (const Part& part : parts) {
+    const double shift = joined.times[first] - part.info().times.front();
+    first += static_cast<std::size_t>(part.info().frames);
+    if (shift == 0)
+      continue;
+    progress.remark(
+        Remark(RemarkCode::kChanged,
+               fmt::format("{}: begins at {:g} s, before the frames that precede it end, and its "
+                           "times are moved by {:g} s",
+                           part.name(), part.info().times.front(), shift),
+               {Hint::set("fps")})
+            .in(part.name()));
+  }
+}
+
 bool isPlain(const Part& part) {
   return part.head.grids.size() == 1 && !part.head.own().empty && !part.head.own().description &&
          part.head.kept.grids.empty();
@@ -751,7 +769,10 @@ Result<JoinReport> join(const std::vector<std::filesystem::path>& paths,
       VOLUTE_TRY(checkPair(parts[i - 1], parts[i]));
     VOLUTE_TRY(checkFrames(parts[i - 1], parts[i]));
   }
-  VOLUTE_TRY(joinedInfo(parts, options.framesPerSecond).validate("the joined sequence"));
+  const VolumeInfo joined = joinedInfo(parts, options.framesPerSecond);
+  VOLUTE_TRY(joined.validate("the joined sequence"));
+  if (!options.framesPerSecond)
+    tellShifts(parts, joined, progress);
   if (!plain)
     return GridJoin(std::move(parts), options).write(target, progress);
   if (canCopy(parts))

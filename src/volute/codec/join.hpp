@@ -32,7 +32,7 @@ struct JoinReport {
 };
 
 /// Puts .volute files together in the order of their frame numbers, which must not
-/// overlap. Times that begin anew in each part go on in the steps of the first.
+/// overlap. Times that begin anew in each part go on in the steps of the first, which is remarked.
 ///
 /// Blocks are copied byte for byte, and no value changes, when those of all parts have as many
 /// frames, all parts but the last have a multiple of that, and all the same volume; the file lists

@@ -117,6 +117,30 @@ TEST_F(JoinTest, CopiesBlocksThatWereCompressedApart) {
   EXPECT_LE(difference.relativeRms, reader.header().targetValue);
 }
 
+TEST_F(JoinTest, TimesThatAreMovedAreTold) {
+  struct Told final : Progress {
+    void remark(const Remark& one) override { all.push_back(one); }
+
+    std::vector<Remark> all;
+  };
+
+  const Sequence whole = periodic(32);
+  const auto a = pack("a.volute", partOf(whole, 0, 16));
+  const auto b = pack("b.volute", partOf(whole, 16, 32));
+  Sequence again = partOf(whole, 16, 32);
+  for (double& time : again.info.times) time -= whole.info.times[16];
+  const auto c = pack("c.volute", again);
+  Told told;
+  ASSERT_TRUE(join({a, b}, scratch.path(), {}, told));
+  EXPECT_THAT(told.all, ::testing::IsEmpty());
+  ASSERT_TRUE(join({a, c}, scratch.path(), {}, told));
+  ASSERT_EQ(told.all.size(), 1U);
+  EXPECT_EQ(told.all[0].code, RemarkCode::kChanged);
+  EXPECT_THAT(told.all[0].sentence,
+              ::testing::AllOf(::testing::HasSubstr("c.volute: begins at 0 s"),
+                               ::testing::HasSubstr("moved by")));
+}
+
 TEST_F(JoinTest, JoinedFilesCanBeJoined) {
   const Sequence whole = plumes(48, 6, 5, 7);
   const auto a = pack("a.volute", partOf(whole, 0, 16), 1e-3);
