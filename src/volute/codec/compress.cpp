@@ -295,6 +295,12 @@ bool Compressor::nearEnough() const {
 Result<CompressReport> Compressor::run() {
   VOLUTE_TRY(units_.open(target_, name_));
   VOLUTE_TRY(survey());
+  if (rounding_ > 0 && head_.header.valueMin == 0 && head_.header.valueMax == 0) {
+    return fail(ErrorCode::kUnsupported,
+                "all values are below float32, in which they are kept, and would become 0: they go "
+                "up to {:.3g}; scale them",
+                rounding_);
+  }
   if (options_.halves)
     goal_.leaveRoomForHalves(roundingToHalves());
   VOLUTE_TRY(goal_.leaveRoomFor(rounding_));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 #include <sys/resource.h>
@@ -225,6 +226,23 @@ RC_GTEST_PROP(Compress, ErrorsAreThoseOfTheDoublesOrTheTargetIsRefused, ()) {
     RC_ASSERT(report->relativeRms <= 3e-3);
   if (target.kind == Kind::kPsnr)
     RC_ASSERT(report->relativeRms <= std::pow(10, -2.5));
+}
+
+TEST(Compress, DoublesThatAllBecomeZeroAreRefused) {
+  const Sequence sequence = plumes(2, 8, 8, 20);
+  const auto scaled = [&](double by, float first) {
+    std::vector<double> numbers;
+    for (const float value : sequence.values) numbers.push_back(by * value);
+    numbers.front() = first;
+    Doubles source(sequence.info, numbers);
+    const ScratchFile file;
+    Progress quiet;
+    const auto report = compress(source, file.path(), {}, quiet);
+    return report ? "" : report.error().message;
+  };
+  EXPECT_THAT(scaled(1e-300, 0), ::testing::HasSubstr("and would become 0: they go up to"));
+  EXPECT_EQ(scaled(1e-300, 1), "") << "faint beside others";
+  EXPECT_EQ(scaled(0, 0), "");
 }
 
 RC_GTEST_PROP(Compress, NumbersFarFromZeroKeepAnErrorThatFloatsDoNotHold, ()) {
