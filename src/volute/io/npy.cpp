@@ -294,6 +294,13 @@ Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                             {Hint::choose("field")})
                          .in(path.string()));
     }
+    if (!array.rest.empty() && options.remark) {
+      options.remark(Remark(RemarkCode::kLeftOut,
+                            fmt::format("{}: arrays that are not of three to five axes are left "
+                                        "out: {}",
+                                        path.string(), fmt::join(array.rest, ", ")))
+                         .in(path.string()));
+    }
     return openArray(std::move(array.file), array.name, std::move(array.others), options);
   }
   if (!options.grid.empty()) {

@@ -280,15 +280,15 @@ Result<NpzArray> openNpzArray(const std::filesystem::path& path, const SourceOpt
                 chooseGrid(entries, options.grid, path.string(),
                            {"array", options.usualGrid, "one with three to five axes"}));
   const Member& member = members[chosen];
-  std::vector<std::string> others;
+  std::vector<std::string> others, rest;
   for (const GridEntry& entry : entries) {
-    if (entry.usable && entry.name != member.name)
-      others.push_back(entry.name);
+    if (entry.name != member.name)
+      (entry.usable ? others : rest).push_back(entry.name);
   }
   if (member.method == kStored) {
     VOLUTE_ASSIGN(const std::uint64_t begin, archive.begin(member));
     VOLUTE_TRY(archive.check(member, begin));
-    return NpzArray{NumberFile(std::move(file), begin, member.size), member.name, others};
+    return NpzArray{NumberFile(std::move(file), begin, member.size), member.name, others, rest};
   }
   if (member.size > options.maxMemory) {
     return fail(ErrorCode::kTooLarge,
@@ -297,7 +297,7 @@ Result<NpzArray> openNpzArray(const std::filesystem::path& path, const SourceOpt
                 path.string(), member.name, member.size >> 20, options.maxMemory >> 20);
   }
   VOLUTE_ASSIGN(auto bytes, archive.unpacked(member, member.size));
-  return NpzArray{NumberFile(std::move(file), std::move(bytes)), member.name, others};
+  return NpzArray{NumberFile(std::move(file), std::move(bytes)), member.name, others, rest};
 }
 
 }  // namespace volute

@@ -16,6 +16,7 @@ struct NpzArray {
   NumberFile file;
   std::string name;
   std::vector<std::string> others{};  ///< names of other arrays that are volumes by their axes
+  std::vector<std::string> rest{};    ///< names of those that are not
 };
 
 /// The array options.grid of a .npz, else the only one with three to five axes, else the usual one.

@@ -99,10 +99,11 @@ TEST(Npz, AnArrayIsChosenByItsName) {
       writeBytes(folder / "a.npz", archiveOf(severalArrays(deflated), wide));
       SourceOptions options;
       std::string remark;
-      options.remark = [&](const Remark& text) { remark = text.sentence; };
+      options.remark = [&](const Remark& text) { remark += text.sentence; };
       ASSERT_VALUE(const auto usual, readSequence(folder / "a.npz", options));
       EXPECT_EQ(usual.values, makeBlob(1, 6, 7, 8).values);
       EXPECT_THAT(remark, HasSubstr("'density' is read; it also has heat"));
+      EXPECT_THAT(remark, HasSubstr("axes are left out: times"));
       options.grid = "heat";
       ASSERT_VALUE(const auto heat, readSequence(folder / "a.npz", options));
       EXPECT_EQ(heat.values, makeBlob(2, 3, 4, 5).values);
