@@ -80,7 +80,8 @@ class ArrayFileSource final : public LayerwiseSource {
   Status open(const SourceOptions& options) {
     VOLUTE_ASSIGN(const std::string reply, ask(ArrayRequest::What::kDescribe, 0));
     VOLUTE_ASSIGN(facts_, fromMessage<ArrayFacts>(reply));
-    for (char* text : {facts_.name, facts_.unit, facts_.others, facts_.order, facts_.doubt})
+    for (char* text :
+         {facts_.name, facts_.unit, facts_.others, facts_.order, facts_.unitless, facts_.doubt})
       text[ArrayFacts::kMaxText] = 0;
     for (bool* flag : {&facts_.timed, &facts_.placed, &facts_.rounded}) settleFlag(*flag);
     info_.name = facts_.name;
@@ -183,6 +184,11 @@ class ArrayFileSource final : public LayerwiseSource {
                             fmt::format("{}: '{}' has dimensions that are axes by their order "
                                         "alone: {}",
                                         path_, info_.name, facts_.order))
+                         .in(path_));
+    }
+    if (facts_.unitless[0] != 0) {
+      options.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: coordinates without units: {}",
+                                                              path_, facts_.unitless))
                          .in(path_));
     }
     if (facts_.doubt[0] != 0) {

@@ -27,7 +27,8 @@ struct ArrayFacts {
   char unit[kMaxText + 1] = {};    ///< of the values; empty: the file says none
   char others[kMaxText + 1] = {};  ///< arrays that could have been meant, as people read them
   char order[kMaxText + 1] = {};   ///< which dimension was taken for which axis by its place alone
-  char doubt[kMaxText + 1] = {};   ///< what coordinates say against even voxels; empty: nothing
+  char unitless[kMaxText + 1] = {};  ///< coordinates without units, and what they are taken in
+  char doubt[kMaxText + 1] = {};     ///< what coordinates say against even voxels; empty: nothing
   std::array<std::int32_t, 5> size{1, 1, 1, 1, 1};  ///< t, z, y, x, c
   bool timed = false;                               ///< times() has them
   bool placed = false;                              ///< there are bounds

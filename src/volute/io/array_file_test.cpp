@@ -91,6 +91,21 @@ TEST_P(ArrayFile, HasAxesPlacesTimesAndScaledNumbers) {
   EXPECT_GT(roundingOf(source), 0);
 }
 
+TEST_P(ArrayFile, UnitsThatAreNotStatedAreTold) {
+  std::vector<std::string> told;
+  SourceOptions options;
+  options.grid = "soot";
+  options.remark = [&](const Remark& remark) { told.push_back(remark.sentence); };
+  write("cm");
+  ASSERT_TRUE(openSource(file(), options));
+  EXPECT_THAT(told, ElementsAre());
+  std::filesystem::remove_all(file());
+  write("''");
+  ASSERT_TRUE(openSource(file(), options));
+  EXPECT_THAT(told, ElementsAre(HasSubstr("coordinates without units: x is taken in m, y is taken "
+                                          "in m, z is taken in m")));
+}
+
 TEST_P(ArrayFile, AxesWithoutNamesAreTakenByOrder) {
   write("m");
   const auto opened = openSource(file().string() + ":flat", {});

@@ -100,10 +100,11 @@ std::string unitOf(const GDALMDArray& array) {
 
 /// A coordinate's numbers in a unit, or as they are where it is empty; none where the dimension has
 /// none. Depths, of which netCDF's CF conventions say that they are positive down, become heights.
-/// @param beside  an array of the dimension's name beside the one that is read; may be null
+/// @param beside    an array of the dimension's name beside the one that is read; may be null
+/// @param unitless  gets its name and the unit where it states none
 Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
                                          const std::string& file, std::string_view unit,
-                                         bool& since) {
+                                         bool& since, std::vector<std::string>& unitless) {
   constexpr std::uint64_t kMax = 100'000'000;
   ArrayPtr array = dimension.GetIndexingVariable();
   if (!array && beside && beside->GetDimensionCount() == 1 &&
@@ -138,6 +139,8 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
   } else if (unitChange(stated, "Pa")) {
     for (double& value : values) value = -value;  // pressure grows downwards
   }
+  if (stated.empty() && !unit.empty())
+    unitless.push_back(fmt::format("{} is taken in {}", array->GetName(), unit));
   if (stated.empty() || unit.empty())
     return values;
   const auto change = unitChange(stated, unit);
@@ -158,6 +161,7 @@ class GdalReader final : public ArrayReader {
     file_ = path.string();
     std::fill(std::begin(at_), std::end(at_), -1);
     array_ = nullptr, root_ = nullptr;
+    unitless_.clear();
     CPLErrorReset();
     static constexpr const char* kDrivers[] = {"netCDF", "HDF5", "Zarr", nullptr};
     dataset_.reset(GDALDataset::Open(file_.c_str(), GDAL_OF_MULTIDIM_RASTER, kDrivers));
@@ -191,6 +195,7 @@ class GdalReader final : public ArrayReader {
     VOLUTE_TRY(placeBy(facts, place));
     VOLUTE_ASSIGN(const auto all, times());
     facts.timed = !all.empty();
+    fmt::format("{}", fmt::join(unitless_, ", ")).copy(facts.unitless, ArrayFacts::kMaxText);
     return facts;
   }
 
@@ -199,7 +204,8 @@ class GdalReader final : public ArrayReader {
       return std::vector<double>();
     const auto dimension = dimensionOf(0);
     bool since = false;
-    VOLUTE_ASSIGN(auto times, coordinateOf(*dimension, besideOf(*dimension), file_, "s", since));
+    VOLUTE_ASSIGN(auto times,
+                  coordinateOf(*dimension, besideOf(*dimension), file_, "s", since, unitless_));
     if (since && !times.empty()) {
       const double first = times.front();
       for (double& time : times) time -= first;
@@ -495,8 +501,8 @@ class GdalReader final : public ArrayReader {
     for (int i = 0; i < 3; ++i) {
       const auto dimension = dimensionOf(3 - i);
       bool since = false;
-      VOLUTE_ASSIGN(const auto places,
-                    coordinateOf(*dimension, besideOf(*dimension), file_, place ? "m" : "", since));
+      VOLUTE_ASSIGN(const auto places, coordinateOf(*dimension, besideOf(*dimension), file_,
+                                                    place ? "m" : "", since, unitless_));
       if (places.empty())
         continue;
       has[i] = true;
@@ -579,12 +585,13 @@ class GdalReader final : public ArrayReader {
   bool allChunks_ = false;         // must be there
   std::uintmax_t chunkBytes_ = 0;  // of each; 0: it is not known
   bool asFloats_ = false;
-  double scale_ = 1, offset_ = 0;  // of the stored numbers
-  std::vector<double> missing_;    // stored in the place of what is not there
-  bool isFloat_ = false;           // what is stored
-  double low_ = 0, high_ = 0;      // beyond them nothing is there
-  double wrap_ = 0;                // added to negative numbers, which mean unsigned ones
-  int at_[kAxes] = {};             // the dimension of each axis; -1: it has none
+  double scale_ = 1, offset_ = 0;      // of the stored numbers
+  std::vector<double> missing_;        // stored in the place of what is not there
+  bool isFloat_ = false;               // what is stored
+  double low_ = 0, high_ = 0;          // beyond them nothing is there
+  double wrap_ = 0;                    // added to negative numbers, which mean unsigned ones
+  std::vector<std::string> unitless_;  // coordinates
+  int at_[kAxes] = {};                 // the dimension of each axis; -1: it has none
   std::int32_t size_[kAxes] = {};
   bool backwards_[kAxes] = {};
 };
