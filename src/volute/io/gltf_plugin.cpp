@@ -110,7 +110,7 @@ struct Numbers {
 class GltfReader {
  public:
   GltfReader(const tinygltf::Model& model, std::string file)
-      : model_(model), file_(std::move(file)) {}
+      : model_(model), file_(std::move(file)), reached_(model.nodes.size()) {}
 
   Result<TriangleMesh> read() {
     VOLUTE_TRY(checkExtensions());
@@ -124,6 +124,16 @@ class GltfReader {
       VOLUTE_TRY(addNode(node, Mat4::Identity(), 0));
     if (mesh_.triangles.empty())
       return fail(ErrorCode::kInvalidData, "{}: its scene has no triangles", file_);
+    if (const std::size_t apart = meshesElsewhere(); apart > 0) {
+      mesh_.remarks.push_back(fmt::format(
+          "scene {} of {} is drawn; {} of its nodes with meshes are not in it and are left out",
+          chosen, model_.scenes.size(), apart));
+    }
+    if (!model_.animations.empty())
+      mesh_.remarks.push_back(
+          "its animations are not played: nodes are where the file places them");
+    if (hasLines_)
+      mesh_.remarks.push_back("its points and lines are not drawn, its triangles alone");
     if (!model_.textures.empty())
       mesh_.remarks.push_back("textures are not drawn, the factors of its materials alone");
     if (hasColors_)
@@ -140,7 +150,7 @@ class GltfReader {
   Status checkExtensions() const {
     for (const std::string& name : model_.extensionsRequired) {
       if (name.starts_with("KHR_materials_") || name == "KHR_lights_punctual" ||
-          name == "KHR_texture_transform")
+          name == "KHR_texture_transform" || name == "KHR_node_visibility")
         continue;
       return fail(ErrorCode::kUnsupported,
                   "{}: needs the extension {}, which is not read; export it without", file_, name);
@@ -162,13 +172,42 @@ class GltfReader {
     return material.alphaMode == "MASK" && base.size() == 4 && base[3] < material.alphaCutoff;
   }
 
+  /// By KHR_node_visibility: then nor are those below it.
+  static bool isHidden(const tinygltf::Node& node) {
+    const auto found = node.extensions.find("KHR_node_visibility");
+    if (found == node.extensions.end() || !found->second.Has("visible"))
+      return false;
+    const tinygltf::Value& visible = found->second.Get("visible");
+    return visible.IsBool() && !visible.Get<bool>();
+  }
+
+  /// How many nodes with meshes the scene does not have.
+  std::size_t meshesElsewhere() const {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < model_.nodes.size(); ++i)
+      count += model_.nodes[i].mesh >= 0 && !reached_[i];
+    return count;
+  }
+
+  /// What a surface reflects, as the factor of its model; 1 where it states none.
+  static Rgb reflectance(const tinygltf::Material& from) {
+    std::vector<double> factor = from.pbrMetallicRoughness.baseColorFactor;
+    const auto other = from.extensions.find("KHR_materials_pbrSpecularGlossiness");
+    if (other != from.extensions.end()) {  // takes the place of the usual one
+      factor.clear();
+      if (other->second.Has("diffuseFactor")) {
+        const tinygltf::Value& diffuse = other->second.Get("diffuseFactor");
+        for (std::size_t i = 0; i < diffuse.ArrayLen(); ++i)
+          factor.push_back(diffuse.Get(static_cast<int>(i)).GetNumberAsDouble());
+      }
+    }
+    return factor.size() >= 3 ? Rgb(factor[0], factor[1], factor[2]) : Rgb(Rgb::Ones());
+  }
+
   Status readMaterials() {
     for (const tinygltf::Material& from : model_.materials) {
       Material material;
-      material.baseColor = Rgb::Ones();
-      const auto& base = from.pbrMetallicRoughness.baseColorFactor;
-      if (base.size() >= 3)
-        material.baseColor = Rgb(base[0], base[1], base[2]);
+      material.baseColor = reflectance(from);
       if (from.emissiveFactor.size() >= 3)
         material.emission =
             Rgb(from.emissiveFactor[0], from.emissiveFactor[1], from.emissiveFactor[2]);
@@ -211,7 +250,7 @@ class GltfReader {
     return local;
   }
 
-  Status addNode(int number, const Mat4& parent, int depth) {
+  Status addNode(int number, const Mat4& parent, int depth, bool hidden = false) {
     if (number < 0 || number >= static_cast<int>(model_.nodes.size()))
       return fail(ErrorCode::kInvalidData, "{}: /nodes: there is no node {}", file_, number);
     if (depth > kDeepest || ++visited_ > kMaxNodes) {
@@ -219,6 +258,8 @@ class GltfReader {
                   number);
     }
     const tinygltf::Node& node = model_.nodes[number];
+    reached_[static_cast<std::size_t>(number)] = true;
+    hidden = hidden || isHidden(node);
     const std::string where = fmt::format("{}: /nodes/{}", file_, number);
     VOLUTE_ASSIGN(const Mat4 local, transformOf(node, where));
     const Mat4 placed = parent * local;
@@ -226,14 +267,14 @@ class GltfReader {
       return fail(ErrorCode::kUnsupported, "{}/skin: skins are not read; export it posed", where);
     if (node.mesh >= static_cast<int>(model_.meshes.size()))
       return fail(ErrorCode::kInvalidData, "{}/mesh: there is no mesh {}", where, node.mesh);
-    if (node.mesh >= 0) {
+    if (node.mesh >= 0 && !hidden) {
       const auto& primitives = model_.meshes[node.mesh].primitives;
       for (std::size_t i = 0; i < primitives.size(); ++i) {
         VOLUTE_TRY(addPrimitive(primitives[i], placed,
                                 fmt::format("{}: /meshes/{}/primitives/{}", file_, node.mesh, i)));
       }
     }
-    for (const int child : node.children) VOLUTE_TRY(addNode(child, placed, depth + 1));
+    for (const int child : node.children) VOLUTE_TRY(addNode(child, placed, depth + 1, hidden));
     return {};
   }
 
@@ -320,8 +361,10 @@ class GltfReader {
   Status addPrimitive(const tinygltf::Primitive& primitive, const Mat4& placed,
                       const std::string& where) {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
-    if (mode < TINYGLTF_MODE_TRIANGLES)
-      return {};  // points and lines stop no light
+    if (mode < TINYGLTF_MODE_TRIANGLES) {
+      hasLines_ = true;
+      return {};
+    }
     if (!primitive.targets.empty())
       return fail(ErrorCode::kUnsupported, "{}: morph targets are not read; apply them", where);
     if (primitive.extensions.contains("KHR_draco_mesh_compression"))
@@ -362,7 +405,9 @@ class GltfReader {
   const tinygltf::Model& model_;
   std::string file_;
   TriangleMesh mesh_;
-  bool hasColors_ = false;  ///< of vertices
+  bool hasColors_ = false;     ///< of vertices
+  bool hasLines_ = false;      ///< or points
+  std::vector<bool> reached_;  ///< nodes of the scene
   std::size_t visited_ = 0;
 };
 
