@@ -150,6 +150,9 @@ class ObjReader {
       mesh_.remarks.push_back(fmt::format(
           "the material '{}' is {}; what names it has the default colour", printable(unknown_),
           missing_.empty() ? "not there" : "in " + printable(missing_) + ", which is not there"));
+    if (!uncolored_.empty())
+      mesh_.remarks.push_back(fmt::format(
+          "the material '{}' has no Kd and is drawn in the default colour", printable(uncolored_)));
     if (!bright_.empty())
       mesh_.remarks.push_back(fmt::format(
           "a surface of {} reflects more light than it gets; expected shares of 0 to 1", bright_));
@@ -184,6 +187,8 @@ class ObjReader {
       material_ = found == named_.end() ? 0 : found->second;
       if (found == named_.end() && unknown_.empty() && name != "None" && name != "(null)")
         unknown_ = name;
+      if (found != named_.end() && uncolored_.empty() && !colored_.contains(material_))
+        uncolored_ = name;
     } else if (keyword == "mtllib") {
       while (!rest.empty()) {
         const std::string_view name = nextWord(rest);
@@ -211,11 +216,13 @@ class ObjReader {
         return fault(line, "'{}' is no coordinate; expected v X Y Z", word);
     }
     vertices_.push_back(point);
-    if (!rest.empty() && !hasColors_) {
-      int more = 0;  // a fourth is a weight, three or four are a colour
-      while (!nextWord(rest).empty()) ++more;
-      hasColors_ = more >= 3;
+    int more = 0;  // a fourth is a weight, three or four are a colour
+    for (auto word = nextWord(rest); !word.empty(); word = nextWord(rest), ++more) {
+      double number = 0;
+      if (!readNumber(word, number))
+        return fault(line, "'{}' behind a coordinate; expected v X Y Z", word);
     }
+    hasColors_ = hasColors_ || more >= 3;
     return {};
   }
 
@@ -289,8 +296,13 @@ class ObjReader {
             isClear_ =
                 isClear_ || (readNumber(nextWord(rest), share) && share != (word == "d" ? 1 : 0));
           }
-          if (current == 0 || (word != "kd" && word != "ke"))
+          if (word != "kd" && word != "ke")
             return {};
+          if (current == 0) {
+            return fail(ErrorCode::kInvalidData,
+                        "{}: line {}: {} is before newmtl; expected the name of its material first",
+                        file.string(), at, keyword);
+          }
           Rgb color;
           for (int c = 0; c < 3; ++c) {
             const std::string_view share = nextWord(rest);
@@ -307,6 +319,8 @@ class ObjReader {
           }
           if (word == "kd" && bright_.empty() && (color > 1).any())
             bright_ = fmt::format("{} {:g} {:g} {:g}", keyword, color[0], color[1], color[2]);
+          if (word == "kd")
+            colored_.insert(current);
           Material& material = mesh_.materials[current];
           (word == "kd" ? material.baseColor : material.emission) = color;
           return {};
@@ -330,8 +344,9 @@ class ObjReader {
   std::map<std::string, std::uint32_t> named_;
   FilesAsWritten written_;
   std::set<std::filesystem::path> libraries_;  ///< that were read
-  // The first library that is not there, such a material, and a colour above 1.
-  std::string missing_, unknown_, bright_;
+  std::set<std::uint32_t> colored_;            ///< materials with Kd
+  // The first library that is not there, such a material, one without Kd, and a colour above 1.
+  std::string missing_, unknown_, uncolored_, bright_;
   std::uint32_t material_ = 0;
   bool hasLines_ = false, hasColors_ = false, hasMaps_ = false,
        isClear_ = false;  ///< is there what is not drawn

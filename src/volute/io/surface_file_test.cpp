@@ -121,6 +121,10 @@ TEST(Obj, WhatIsNotDrawnIsTold) {
   EXPECT_THAT(remarks("v 1 1 1\nl 1 2\n", plain), ElementsAre(HasSubstr("lines and curves")));
   EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "newmtl b\nKd 204 51 25\n"),
               ElementsAre(HasSubstr("a surface of Kd 204 51 25 reflects more")));
+  EXPECT_THAT(remarks("mtllib a.mtl\nusemtl lamp\n", plain + "newmtl lamp\nKe 1 1 1\n"),
+              ElementsAre(HasSubstr("'lamp' has no Kd")));
+  EXPECT_THAT(remarks("mtllib a.mtl\n", "Kd 1 0 0\n" + plain),
+              ElementsAre(HasSubstr("a.mtl: line 1: Kd is before newmtl")));
   EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "map_Kd wood.png\n"),
               ElementsAre(HasSubstr("map_Kd, map_Ke")));
   EXPECT_THAT(remarks("mtllib a.mtl\n", plain + "newmtl glass\nd 0.3\n"),
@@ -135,6 +139,7 @@ TEST(Obj, ErrorsNameTheLine) {
   };
   EXPECT_THAT(message("v 0 0 0\nv 1 x 0\n"), HasSubstr("b.obj: line 2: 'x'"));
   EXPECT_THAT(message("v 0 0 nan\n"), HasSubstr("line 1"));
+  EXPECT_THAT(message("v 0 3 0 junk\n"), HasSubstr("'junk' behind a coordinate"));
   EXPECT_THAT(message("v 0 0 0\nf 1 1 2\n"), HasSubstr("vertex 2 of 1"));
   EXPECT_THAT(message("v 0 0 0\nf 1 1 -2\n"), HasSubstr("vertex -2 of 1"));
   EXPECT_THAT(message("v 0 0 0\nf 1 1\n"), HasSubstr("at least 3"));
@@ -255,6 +260,32 @@ TEST(Gltf, WhatIsNotDrawnIsTold) {
   ASSERT_VALUE(const auto more, readSurfaces(folder / "a.glb"));
   EXPECT_THAT(more.remarks,
               ElementsAre(HasSubstr("COLOR_0"), HasSubstr("lights"), HasSubstr("drawn opaque")));
+}
+
+TEST(Gltf, WhatTheSceneDoesNotShowIsTold) {
+  const TempFolder folder;
+  const auto read = [&](const std::string& json) {
+    writeBytes(folder / "a.glb", glb(json, square()));
+    return readSurfaces(folder / "a.glb");
+  };
+  // A second node with a mesh that no scene has, and one that is hidden below another.
+  std::string json = sample(R"([{"mesh":0},{"mesh":0}])");
+  ASSERT_VALUE(const auto apart, read(json));
+  EXPECT_THAT(apart.remarks, ElementsAre(HasSubstr("1 of its nodes with meshes are not in it")));
+  json = sample(R"([{"mesh":0,"children":[1]},{"children":[2],"extensions":{"KHR_node_visibility":)"
+                R"({"visible":false}}},{"mesh":0}])");
+  ASSERT_VALUE(const auto hidden, read(json));
+  EXPECT_EQ(hidden.triangles.size(), 2U);
+  EXPECT_THAT(hidden.remarks, IsEmpty());
+  json = sample(R"([{"mesh":0}])");
+  json.insert(json.find(R"({"attributes")"), R"({"attributes":{"POSITION":0},"mode":1},)");
+  json.insert(1, R"("animations":[{"channels":[],"samplers":[]}],)");
+  json.insert(
+      json.find(R"("emissiveFactor")"),
+      R"("extensions":{"KHR_materials_pbrSpecularGlossiness":{"diffuseFactor":[1,0,0,1]}},)");
+  ASSERT_VALUE(const auto more, read(json));
+  EXPECT_THAT(more.remarks, ElementsAre(HasSubstr("animations"), HasSubstr("points and lines")));
+  EXPECT_EQ(more.materials[more.triangles[0].material].baseColor[1], 0);
 }
 
 TEST(Gltf, WhatAlphaMasksEverywhereIsNotThere) {
