@@ -85,6 +85,14 @@ void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>&
   if (pictures.video.empty())
     return;
   auto film = FilmReader::open(pictures.video, maxMemory);
+  if (film && film->info().interlaced)
+    remarks.push_back(
+        fmt::format("camera {}: {} is interlaced: each of its pictures is of two times, and is "
+                    "taken to be of one",
+                    camera.name, pictures.video.string()));
+  if (film && film->info().otherStreams > 0)
+    remarks.push_back(fmt::format("camera {}: {} has {} more streams of video, which are not read",
+                                  camera.name, pictures.video.string(), film->info().otherStreams));
   const auto times =
       film ? film->restOfTimes(kMaxPictures) : fail(film.error().code, film.error().hints, "");
   if (!times || times->empty())

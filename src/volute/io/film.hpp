@@ -54,6 +54,8 @@ struct FilmInfo {
   int width = 0;   ///< [pixels]
   int height = 0;  ///< [pixels]
   double framesPerSecond = 0;
+  bool interlaced = false;  ///< its frames are two fields, of two times
+  int otherStreams = 0;     ///< of video, besides the one that is read
 };
 
 /// Decodes one film with libav; what a plug-in offers to FilmReader, which runs it in a child

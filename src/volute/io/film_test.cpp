@@ -56,6 +56,17 @@ double difference(const Image& a, const Image& b) {
   return std::sqrt(sum / (3.0 * a.width * a.height));
 }
 
+TEST(Film, InterlacedOnesAreKnown) {
+  const TempFolder folder;
+  for (const auto& [order, interlaced] : {std::pair('p', false), std::pair('t', true)}) {
+    const std::string head = fmt::format("YUV4MPEG2 W16 H16 F25:1 I{} C420jpeg\n", order);
+    writeBytes(folder / "a.y4m", head + "FRAME\n" + std::string(16 * 16 * 3 / 2, 'x'));
+    ASSERT_VALUE(const auto film, FilmReader::open(folder / "a.y4m"));
+    EXPECT_EQ(film.info().interlaced, interlaced);
+    EXPECT_EQ(film.info().otherStreams, 0);
+  }
+}
+
 class Films : public ::testing::TestWithParam<const char*> {};
 
 /// Eight levels of 8 bits over 960 pixels: bands of 120 pixels where nothing dithers, and more

@@ -394,7 +394,17 @@ class AvFilmDecoder final : public FilmDecoder {
     VOLUTE_TRY(check(avcodec_parameters_to_context(codec_.get(), stream->codecpar)));
     VOLUTE_TRY(check(avcodec_open2(codec_.get(), codec, nullptr)));
     const AVRational rate = av_guess_frame_rate(input, input->streams[stream_], nullptr);
-    info_ = {codec_->width, codec_->height, rate.den > 0 ? av_q2d(rate) : 0};
+    const auto order = stream->codecpar->field_order;
+    info_ = {.width = codec_->width,
+             .height = codec_->height,
+             .framesPerSecond = rate.den > 0 ? av_q2d(rate) : 0,
+             .interlaced = order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE};
+    for (unsigned i = 0; i < input->nb_streams; ++i) {
+      const AVStream& other = *input->streams[i];
+      info_.otherStreams += static_cast<int>(i) != stream_ &&
+                            other.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+                            (other.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+    }
     return info_;
   }
 
