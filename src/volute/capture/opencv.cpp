@@ -82,6 +82,7 @@ std::vector<std::string> unused(const OpenCvStorage& entries,
     if (!used)
       names.push_back(name);
   }
+  names.insert(names.end(), entries.others.begin(), entries.others.end());
   return names;
 }
 
@@ -284,7 +285,9 @@ bool isSample(const OpenCvStorage& entries) {
 
 /// Such files of one folder and ending are cameras by the files' names, in the world of the board
 /// in their first view.
-Result<OpenCvStorage> sampleEntries(const std::filesystem::path& file) {
+/// @param unread  gets why files of the folder cannot be read
+Result<OpenCvStorage> sampleEntries(const std::filesystem::path& file,
+                                    std::vector<std::string>& unread) {
   std::vector<std::filesystem::path> files;
   std::error_code error;
   const auto folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
@@ -298,6 +301,8 @@ Result<OpenCvStorage> sampleEntries(const std::filesystem::path& file) {
     const auto entries = readOpenCvStorage(other, isOurs);
     if (!entries && other.filename() == file.filename())
       return entries;
+    if (!entries)
+      unread.push_back(entries.error().message);
     if (!entries || !isSample(*entries))
       continue;
     const std::string name = other.stem().string();
@@ -329,8 +334,9 @@ Result<OpenCvStorage> sampleEntries(const std::filesystem::path& file) {
 Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
   VOLUTE_ASSIGN(auto entries, readOpenCvStorage(file, isOurs));
   const char* world = nullptr;
+  std::vector<std::string> unread;
   if (isSample(entries)) {
-    VOLUTE_ASSIGN(entries, sampleEntries(file));
+    VOLUTE_ASSIGN(entries, sampleEntries(file, unread));
     world =
         "cameras are the files of OpenCV's calibration sample in this folder, in the world of "
         "the board in the first view of each, which must be the same board; lengths are the "
@@ -347,6 +353,8 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
   draft.pixelCentre = 0;
   if (world)
     draft.remarks.emplace_back(world);
+  for (const std::string& why : unread)
+    draft.remarks.push_back("a file of its folder cannot be read and is left out: " + why);
   if (const OpenCvMatrix* fisheye = entries.find("fisheye_model");
       fisheye && fisheye->values != std::vector<double>{0}) {
     return fail(ErrorCode::kUnsupported,

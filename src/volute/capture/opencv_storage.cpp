@@ -122,6 +122,8 @@ Result<OpenCvStorage> readXml(std::string_view text, const std::string& file,
     const std::string name(element->name);
     std::optional<OpenCvMatrix> matrix;
     if (auto number = numbersOf(element->content)) {
+      if (number->size() > 1)
+        storage.others.push_back(name);
       if (number->size() != 1)
         continue;  // lists, or nothing
       matrix = {1, 1, std::move(*number)};
@@ -142,8 +144,10 @@ Result<OpenCvStorage> readXml(std::string_view text, const std::string& file,
           (part->name == "rows" ? parts.rows : parts.columns) = count->front();
       }
       matrix = matrixOf(std::move(parts));
-      if (!matrix && !isNeeded(name))
-        continue;  // words, or other structures
+      if (!matrix && !isNeeded(name)) {  // words, or other structures
+        storage.others.push_back(name);
+        continue;
+      }
       if (!matrix)
         return notWhole(file, name);
     }
@@ -240,6 +244,8 @@ class YamlReader {
     const bool isMatrix = value.kind == Kind::kMatrix;
     if (!isMatrix && (value.isTagged || isNeeded_(name)))
       return notWhole(place, name);
+    if (!isMatrix && !name.empty())
+      storage_.others.push_back(name);
     if (isMatrix && !storage_.add(name, std::move(value.content)))
       return fail(ErrorCode::kInvalidData, "{}: {} is there twice; expected it once", place, name);
     return {};

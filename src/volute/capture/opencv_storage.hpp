@@ -35,6 +35,9 @@ class OpenCvStorage {
     return found == places_.end() ? nullptr : &list_[found->second].second;
   }
 
+  /// Texts, lists and other structures, of which nothing but the names is kept.
+  std::vector<std::string> others;
+
   auto begin() const { return list_.begin(); }
 
   auto end() const { return list_.end(); }
