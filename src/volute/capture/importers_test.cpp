@@ -512,6 +512,11 @@ TEST_F(Importers, NerfFilesHaveOneFocalLength) {
   writeText(folder / "transforms.json", json.dump());
   EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options),
                         "expected one focal length: leave out what is wrong"));
+  first.erase("camera_angle_x");
+  first["camera_angle_y"] = 0.1;
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options),
+                        "and camera_angle_y with h says"));
 }
 
 TEST_F(Importers, NerfAnglesOfBothSides) {
@@ -762,10 +767,12 @@ TEST_F(Importers, OpenCvCamerasNeverVanish) {
 TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
   auto entries = openCvEntries(false);
   entries.push_back(openCvMatrix("D_aa", Eigen::MatrixXd::Ones(1, 5), false));
-  entries.push_back("image_width: 24\nimage_height: 16\nfisheye_model: 0\nerror: 0.25\n");
+  entries.push_back(
+      "image_width: 24\nimage_height: 16\nfisheye_model: 0\nerror: 0.25\nunits: mm\n");
   writeText(folder / "c.yml", fmt::format("%YAML:1.0\n---\n{}", fmt::join(entries, "")));
   ASSERT_VALUE(const auto capture, openCapture(folder / "c.yml", options));
-  EXPECT_THAT(capture.remarks, ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error"));
+  EXPECT_THAT(capture.remarks,
+              ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error, units"));
 }
 
 std::string xmlMatrix(const std::string& name, const Eigen::MatrixXd& m) {
@@ -855,6 +862,12 @@ TEST_F(Importers, OpenCvCalibrationSample) {
     EXPECT_NEAR((camera.rotation() * camera.eye() + c.t).norm(), 0, 1e-9);
   }
   EXPECT_THAT(capture.remarks, Contains(HasSubstr("the board in the first view")));
+  EXPECT_THAT(capture.remarks, ::testing::Not(Contains(HasSubstr("left out"))));
+  writeText(folder / "boards" / "d.yml", "%YAML:1.0\n---\ncamera_matrix: [\n");
+  ASSERT_VALUE(const auto damaged, openCapture(folder / "boards" / "b.yml", options));
+  EXPECT_THAT(damaged.remarks,
+              Contains(::testing::AllOf(HasSubstr("a file of its folder cannot be read"),
+                                        HasSubstr("d.yml"))));
 }
 
 TEST_F(Importers, OpenCvRotationVectors) {

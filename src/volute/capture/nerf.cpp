@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <span>
+#include <tuple>
 
 #include "volute/base/file_as_written.hpp"
 #include "volute/capture/importers.hpp"
@@ -98,20 +99,23 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
   VOLUTE_ASSIGN(const double angleX, angleIn(frame, root, "camera_angle_x"));
   VOLUTE_ASSIGN(const double angleY, angleIn(frame, root, "camera_angle_y"));
   const double byAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;
+  const double byAngleY = angleY > 0 ? 0.5 * height / std::tan(0.5 * angleY) : 0;
   auto& K = calibration.K;
   VOLUTE_ASSIGN(K(0, 0), numberIn(frame, root, "fl_x", byAngle));
+  VOLUTE_ASSIGN(K(1, 1), numberIn(frame, root, "fl_y", byAngleY > 0 ? byAngleY : K(0, 0)));
   for (const JsonValue& one : {frame, root}) {  // an entry's own counts before the file's
     constexpr double kSame = 0.05;
-    if (byAngle > 0 && one.find("fl_x") && one.find("camera_angle_x") &&
-        std::abs(K(0, 0) / byAngle - 1) > kSame)
-      return one.fault(
-          fmt::format("fl_x is {:.6g}, and camera_angle_x with w says {:.6g} pixels; expected one "
-                      "focal length: leave out what is wrong",
-                      K(0, 0), byAngle));
+    for (const auto& [axis, stated, said, side] :
+         {std::tuple('x', K(0, 0), byAngle, 'w'), std::tuple('y', K(1, 1), byAngleY, 'h')}) {
+      const std::string focal = fmt::format("fl_{}", axis),
+                        angle = fmt::format("camera_angle_{}", axis);
+      if (said > 0 && one.find(focal) && one.find(angle) && std::abs(stated / said - 1) > kSame)
+        return one.fault(
+            fmt::format("{} is {:.6g}, and {} with {} says {:.6g} pixels; expected one focal "
+                        "length: leave out what is wrong",
+                        focal, stated, angle, side, said));
+    }
   }
-  const double byAngleY =
-      angleY > 0 && height > 0 ? 0.5 * height / std::tan(0.5 * angleY) : K(0, 0);
-  VOLUTE_ASSIGN(K(1, 1), numberIn(frame, root, "fl_y", byAngleY));
   VOLUTE_ASSIGN(K(0, 2), numberIn(frame, root, "cx", 0.5 * width));
   VOLUTE_ASSIGN(K(1, 2), numberIn(frame, root, "cy", 0.5 * height));
   if (K(0, 0) == 0)
