@@ -410,6 +410,9 @@ class Frames(FogCase):
             self.assertIn(text, self.works(*self.words(*more)).message)
             self.assertIn(text, self.fails(1, *self.words(*more, "--strict", out="none.exr")))
         self.assertNotIn("no effect", self.works(*self.words("--mu", "0.5", "--levels", "2")).message)
+        self.assertIn("levels has no effect: the finest one", self.works(*self.words("--levels", "2")).message)
+        both = self.works(*self.words("--levels", "2", "--cell-angle", ".1", "--mu", ".5"))
+        self.assertIn("mu has no effect: cell_angle says", both.message)
         blown = ("--fps", "30", "--wind", "1,0,0", "--border", "zero", "--frames", "0:2")
         self.assertNotIn("no effect", self.works(*self.words(*blown, out="x_%d.exr")).message)
 

@@ -154,6 +154,10 @@ void addIdle(const nlohmann::json& json, FogDescription& fog) {
     fog.idle.push_back({"mu", kOneLevel});
   if (oneLevel && fog.options.detail.cellAngle > 0)
     fog.idle.push_back({"cell_angle", kOneLevel});
+  if (!oneLevel && fog.options.detail.finestOnly())
+    fog.idle.push_back({"levels", "the finest one serves everywhere (mu is 1, cell_angle 0)"});
+  if (!oneLevel && fog.options.detail.mu != 1 && fog.options.detail.cellAngle > 0)
+    fog.idle.push_back({"mu", "cell_angle says where levels end"});
   if (fog.border && fog.wind.head<2>().isZero(0) && *fog.border != FogBorder::kZero)
     fog.idle.push_back({"border", "there is no wind"});
   if (fog.described)
