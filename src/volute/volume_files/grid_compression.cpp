@@ -353,10 +353,16 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                                             Reading& reading, Team& team) {
   const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
   if (input.raw || !VolumeGrids::mayBe(path)) {
-    if (how.rms.empty())
-      return std::nullopt;
-    return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
-                   "is for several grids, and this is one");
+    if (!how.rms.empty())
+      return failFor("rms_of", ErrorCode::kInvalidArgument, Hint::set("rms"),
+                     "is for several grids, and this is one");
+    if (!how.keep.empty())
+      return failFor("keep", ErrorCode::kInvalidArgument, "is for grids of a cache, and {} is none",
+                     path);
+    if (how.dropUncoded)
+      return failFor("uncoded", ErrorCode::kInvalidArgument,
+                     "is for grids of a cache, and {} is none", path);
+    return std::nullopt;
   }
   InputOptions unverified = input;  // who reads it says what is damaged
   unverified.verify = false;

@@ -50,12 +50,24 @@ Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
   return raw;
 }
 
+Status checkRmsOver(const Arguments& arguments) {
+  if (!arguments.given("rms-over") || arguments.given("rms-of"))
+    return {};
+  for (const char* name : {"quality", "psnr", "ratio", "size", "max-error"}) {
+    if (arguments.given(name))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--rms-over has no effect with --{}; it is of --rms and --rms-of", name);
+  }
+  return {};
+}
+
 Status runCompress(const Arguments& arguments, Context& context) {
   const std::string& path = arguments.positional(0);
   const auto target = arguments.get<std::string>("output");
   if (!isVolutePath(target)) {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
   }
+  VOLUTE_TRY(checkRmsOver(arguments));
   if (context.team.leads())
     VOLUTE_TRY(checkTarget(target));
   InputOptions input;
@@ -284,7 +296,8 @@ Command compressCommand() {
                     "continues from them, with any number of ranks; ranks share the folder"},
            statsOption(),
            partialOption()},
-      .oneOf = {{{"quality", "rms", "psnr", "ratio", "size", "max-error"}, false}},
+      .oneOf = {{{"quality", "rms", "psnr", "ratio", "size", "max-error"}, false},
+                {{"wavelet", "block-mode"}, false}},
       .ranks = true,
       .run = runCompress};
 }
