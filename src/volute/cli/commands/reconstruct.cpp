@@ -57,6 +57,37 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   return settings;
 }
 
+/// What the prior that is asked for does not have.
+Status checkPrior(const Arguments& arguments, const Capture& capture) {
+  const auto solver = arguments.get<std::string>("solver");
+  const auto prior = arguments.get<std::string>("regularization");
+  for (const char* name : {"lambda", "sparsity"}) {
+    if (arguments.given(name) && solver != "apg")
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{} has no effect with --solver {}, which has no prior", name, solver);
+    const bool idle = prior == "none" || (std::string_view(name) == "sparsity" &&
+                                          (prior == "smooth" || prior == "wavelet"));
+    if (arguments.given(name) && idle)
+      return fail(ErrorCode::kInvalidArgument, "--{} has no effect with --regularization {}", name,
+                  prior);
+  }
+  if (arguments.get<double>("temporal") > 0) {
+    if (solver != "apg")
+      return fail(ErrorCode::kInvalidArgument,
+                  "--temporal has no effect with --solver {}, which has no prior", solver);
+    if (arguments.flag("no-warm-start"))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--temporal has no effect with --no-warm-start: each frame is by itself");
+    constexpr std::size_t kMoving = 3;  // two of them tell the motion
+    if (capture.frames.size() < kMoving)
+      return fail(ErrorCode::kInvalidArgument,
+                  "--temporal has no effect on {} frame{}: it needs two before a frame, of whose "
+                  "motion it goes on",
+                  capture.frames.size(), capture.frames.size() == 1 ? "" : "s");
+  }
+  return {};
+}
+
 Status checkLighting(const Capture& capture) {
   if (capture.measured == Measured::kAbsorption)
     return fail(ErrorCode::kInvalidArgument,
@@ -289,6 +320,7 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   remarkOn(capture, context);
   if (arguments.flag("velocity") && capture.frames.size() < 2)
     return fail(ErrorCode::kInvalidArgument, "--velocity: needs two frames or more");
+  VOLUTE_TRY(checkPrior(arguments, capture));
   bool inTurn = false;
   VOLUTE_ASSIGN(const auto heldOut, heldOutOf(arguments, inTurn));
   if (inTurn && (context.team.size() > 1 || target == "-")) {
