@@ -105,6 +105,22 @@ class Scene(support.TestCase):
         self.scene["media"][0]["field"] = "density"
         self.wrong("/media/0/field: grid says the same")
 
+    def test_times_between_frames_are_as_the_command_line_says(self):
+        self.assertAlmostEqual(self.radiance("--time", "0.02", "--interpolate", "linear"), 0.5, places=6)
+        self.scene["media"][0]["interpolate"] = "linear"
+        self.assertAlmostEqual(self.radiance("--time", "0.02", "--interpolate", "none"), 0.25, places=6)
+        write_npy(self.path("map.npy"), (1, 4, 4), [0.5] * 16)
+        self.scene["media"] = [{"kind": "fog", "map": "map.npy", "sigma_max": 0.1}]
+        for option in ("--interpolate", "--basis"):
+            value = {"--interpolate": "linear", "--basis": "box"}[option]
+            self.assertIn(f"{option} has no effect", self.fails(2, "render", self.write(), "-o", self.path("x.png"), option, value))
+
+    def test_what_the_scene_s_camera_leaves_without_effect_is_refused(self):
+        for words, said in ((("--up", "1,0,0"), "--up has no effect"), (("--fps", "10"), "--fps has no effect on one picture")):
+            self.assertIn(said, self.fails(2, "render", self.write(), "-o", self.path("x.png"), *words))
+        view = ("--eye", "0.5,-3,0.5", "--target", "0.5,0.5,0.5", "--ortho", "0.5")
+        self.works("render", self.write(), "-o", self.path("x.png"), *view, "--up", "1,0,0")
+
     def test_the_basis_is_the_scene_s_unless_the_command_line_says_another(self):
         write_npy(self.path("block.npy"), (4, 4, 4), [x for _ in range(16) for x in range(4)])
         self.scene["camera"] |= {"ortho": 1e-7, "eye": [0.45, -3, 0.5], "target": [0.45, 0.5, 0.5]}

@@ -4,7 +4,7 @@
 import zipfile
 
 import support
-from support import volute
+from support import volute, write_npy
 
 COMMANDS = ["info", "compress", "extract", "compare", "synthesize", "render", "bench", "help", "man", "completion"]
 
@@ -55,6 +55,20 @@ class Usage(support.TestCase):
         self.assertIn("did you mean 'haar'?",
                       self.fails(2, "compress", "a.npy", "-o", "b.volute", "--rms", "1", "--wavelet", "har"))
         self.assertNotIn("did you mean", self.fails(2, "xyzzy"))
+
+    def test_options_that_others_leave_without_effect_are_refused(self):
+        write_npy(self.path("a.npy"), (1, 4, 4, 4), [0.5] * 64)
+        for words, said in ((("--block-mode", "plain:haar:2", "--wavelet", "haar"), "2 of --wavelet, --block-mode are given"),
+                            (("--max-error", "0.1", "--rms-over", "all"), "--rms-over has no effect with --max-error"),
+                            (("--quality", "draft", "--rms-over", "all"), "--rms-over has no effect with --quality"),
+                            (("--keep", "nosuch"), "--keep: is for grids of a cache"),
+                            (("--uncoded", "drop"), "--uncoded: is for grids of a cache")):
+            self.assertIn(said, self.fails(2, "compress", self.path("a.npy"), "-o", self.path("x.volute"), *words))
+        picture = ("render", self.path("a.npy"), "-o", self.path("x.png"), "--size", "4x4")
+        for words, said in ((("--speed", "3"), "--speed has no effect on one picture"),
+                            (("--cache", "none", "--cache-size", "1M"), "--cache-size has no effect with --cache none")):
+            self.assertIn(said, self.fails(2, *picture, *words))
+        self.works(*picture, "--fps", "10")
 
     def test_wrong_usage_is_exit_2(self):
         for words in (["info"], ["compress"], ["extract", "a.volute"],

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/scene_arguments.hpp"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "volute/cli/file_kind.hpp"
@@ -12,6 +13,13 @@
 namespace volute::cli {
 
 using OrderedJson = nlohmann::ordered_json;
+
+namespace {
+
+/// Members of the media of a scene that the command line overrides.
+constexpr const char* kOfScenes[] = {"basis", "interpolate"};
+
+}  // namespace
 
 std::vector<Option> mediumOptions(FieldUse use) {
   registerUsualMedia();
@@ -66,8 +74,10 @@ Result<SceneOptions> sceneOptions(const std::string& path, const Arguments& argu
   options.maxMemory = context.maxMemory;
   options.files.partial = arguments.flag("partial");
   VOLUTE_ASSIGN(options.members, mediumMembers(path, arguments));
-  if (isScenePath(path) && arguments.given("basis"))
-    (*options.overrides)["basis"] = arguments.get<std::string>("basis");
+  for (const char* name : kOfScenes) {
+    if (isScenePath(path) && arguments.given(name))
+      (*options.overrides)[name] = arguments.get<std::string>(name);
+  }
   return options;
 }
 
@@ -88,6 +98,12 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
   auto opened = Scene::open(path, options, context.progress);
   if (!opened)
     return tl::unexpected(aboutOptions(std::move(opened.error()), path));
+  for (const char* name : kOfScenes) {
+    const auto has = [&](const MediumEntry& entry) { return entry.kind->fields().find(name); };
+    if (isScenePath(path) && arguments.given(name) &&
+        std::ranges::none_of(opened->description().media, has))
+      return fail(ErrorCode::kInvalidArgument, "--{} has no effect: {} has no volume", name, path);
+  }
   return opened;
 }
 
@@ -109,6 +125,8 @@ Result<std::shared_ptr<const LightCache>> lightCache(const Arguments& arguments,
   const auto limit =
       arguments.find<Bytes>("cache-size").value_or(Bytes()).count;  // not of all commands
   const auto folder = arguments.find<std::string>("cache");
+  if (folder == "none" && arguments.given("cache-size"))
+    return fail(ErrorCode::kInvalidArgument, "--cache-size has no effect with --cache none");
   if (limit == 0 || folder == "none")
     return nullptr;
   if (folder) {

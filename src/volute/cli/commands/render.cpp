@@ -237,6 +237,25 @@ Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
               "intact part of a damaged .volute");
 }
 
+/// What says nothing of one picture, and how the usual view is turned where there is another.
+Status refuseIdleView(const Arguments& arguments, const std::string& target,
+                      const RenderRequest& request, const FilmJob& job) {
+  if (arguments.given("up") && !request.camera && job.scene.camera())
+    return fail(ErrorCode::kInvalidArgument,
+                "--up has no effect: {} has a camera of its own; add --eye, --target and --fov",
+                arguments.positional(0));
+  if (isFilmPath(target) || job.frames.size() > 1 || arguments.given("shutter"))
+    return {};
+  const auto& media = job.scene.description().media;
+  const bool rated = arguments.given("frames") ||
+                     (!job.scene.isFile() && media.front().kind->fields().find("fps"));
+  for (const auto& [name, idle] : {std::pair("speed", true), std::pair("fps", !rated)}) {
+    if (arguments.given(name) && idle)
+      return fail(ErrorCode::kInvalidArgument, "--{} has no effect on one picture", name);
+  }
+  return {};
+}
+
 Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
                         const RenderRequest& request, Context& context) {
   FilmTotals totals;
@@ -261,6 +280,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   }
   VOLUTE_ASSIGN(job.contour, contourOf(arguments, scene));
   VOLUTE_TRY(prepare(job, request, context.maxMemory, context.progress));
+  VOLUTE_TRY(refuseIdleView(arguments, target, request, job));
   if (!job.reason.empty())
     context.progress.remark(job.reason + "; --time or --frames choose others");
   remarkOnCamera(job, context.progress);
@@ -296,6 +316,16 @@ Status refuseInMeasured(const Arguments& arguments) {
   return {};
 }
 
+/// What shows nothing in the kind of picture that is written.
+Status refuseInExr(const Arguments& arguments, const std::string& target) {
+  for (const char* name : {"bloom", "legend", "colormap"}) {
+    if (arguments.given(name) && extensionOf(target) == ".exr")
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{} has no effect: a .exr holds light as it is; write a .png or a film", name);
+  }
+  return {};
+}
+
 Status checkRenderTargets(const Arguments& arguments, const std::string& target) {
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
@@ -317,6 +347,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
   VOLUTE_TRY(refuseInMeasured(arguments));
+  VOLUTE_TRY(refuseInExr(arguments, target));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
