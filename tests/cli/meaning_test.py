@@ -254,6 +254,7 @@ DEVC = {
 }
 FOAM = {
     "unit": [("kg/m3", r"\[0 -1 0", "[1 -3 0", False), ("no dimensions", r"dimensions[^;]*;\n", "", False)],
+    "scale": [("a reference level", "internalField", "referenceLevel 5;\ninternalField", False)],
     "fill": [("nan", r"1\(0", "1(nan", False), ("stars", r"1\([^)]*", "1(***", False)],
     "duplicate": [("the field twice", r"(internalField[^;]*;)", lambda m: m[1] + "\n" + m[1].replace("(0", "(7"), None)],  # the last one counts, as in OpenFOAM
     "missing": [("the field", r"internalField[^;]*;\n", "", False)],
@@ -285,10 +286,13 @@ OBJ = {
     "case": [("capitals", "v 0 3 0", "V 0 3 0", False)],
     "locale": [("decimal commas", "v 0 3 0", "v 0,0 3,0 0,0", False)],
     "scale": [("a curve", "usemtl red", "curv 0 1 1 2 3\nusemtl red", False)],
-    "length": [("two coordinates", "v 0 3 0", "v 0 3", False), ("a face of two", "f 1 2 3 4 5 6", "f 1 2", False)],
+    "length": [("two coordinates", "v 0 3 0", "v 0 3", False), ("a word more", "v 0 3 0", "v 0 3 0 junk", False),
+               ("a face of two", "f 1 2 3 4 5 6", "f 1 2", False)],
     "name": [("an unknown statement", "usemtl red", "usemtll red", False), ("by another folder", "mtllib wall", "mtllib ../base/wall", True)],
 }
 MTL = {
+    "order": [("a colour before its material", r"(newmtl red\n)(Kd [^\n]*\n)", r"\2\1", False)],
+    "missing": [("the colour", r"Kd [^\n]*\n", "Ka 0 0 0\n", False)],
     "unit": [("a picture for a colour", "Kd 0.8 0.2 0.1", "map_Kd red.png", False), ("a dissolve", "Kd", "d 0.2\nKd", False)],
     "fill": [("nan", "Kd 0.8", "Kd nan", False)],
     "duplicate": [("a colour twice", "Kd 0.8 0.2 0.1\n", "Kd 0.8 0.2 0.1\nKd 0 0 1\n", False), ("the material twice", "(newmtl.*)", r"\1newmtl red\nKd 0 0 1\n", False)],
@@ -322,7 +326,7 @@ COLMAP_IMAGES = {
     "name": [("another camera", r"(\n1 [^\n]*) 1 (\S+\n)", r"\1 77 \2", False)],
 }
 YAML = {
-    "unit": [("integers that are none", "dt: d", "dt: i", False)],
+    "unit": [("integers that are none", "dt: d", "dt: i", False), ("a member that says mm", r"---\n", "---\nunits: mm\n", False)],
     "order": [("matrices reversed", r"(%YAML:1.0\n---\n)(K_north.*?)(K_c1.*)", r"\1\3\2", True)],
     "fill": [("nan", r"(R_north.*?data: \[) \S+,", r"\1 .nan,", False)],
     "duplicate": [("a matrix twice", r"(R_north.*?\n)(T_north)", r"\1\1\2", False)],
@@ -389,6 +393,7 @@ NC = {
              ("in furlongs", nc(units=dict(x="furlong")), False), ("times in minutes", nc(units=dict(t="minutes since 2020-01-01"),
               places={"t": [0.0, 2 / 60, 4 / 60]}), True), ("times of fortnights", nc(units=dict(t="fortnights")), False),
              ("degrees", nc(units=dict(x="degrees_east", y="degrees_north")), False),
+             ("places in nothing", nc(units=dict(x="", y="", z="")), False), ("times in nothing", nc(units=dict(t="")), False),
              ("places in feet", nc(units=dict(x="ft", y="feet", z="ft"), places=scaled(1 / 0.3048, "xyz")), True),
              ("places in percent", nc(units=dict(x="percent")), False), ("numbers in percent", nc(units=dict(s="%")), None),
              ("Units of cm in capitals", lambda data: nc(units=dict(x="cm", y="cm", z="cm"), places=scaled(100, "xyz"))(data).replace(b"units", b"Units"), True)],
