@@ -11,12 +11,14 @@
 #include <set>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
 #include "volute/report/csv_cell.hpp"
+#include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/plan_vti.hpp"
 
@@ -27,8 +29,21 @@ constexpr std::size_t kMaxRuns = 100000;
 constexpr const char* kMinMargin = "least margin [s]";
 
 /// Options whose values are files.
-constexpr std::array<std::string_view, 6> kFiles{"signs",        "route", "eyes",
-                                                 "trajectories", "rset",  "criteria"};
+constexpr std::array<std::string_view, 8> kFiles{"signs", "route",    "eyes",  "trajectories",
+                                                 "rset",  "criteria", "areas", "underlay"};
+
+/// Whether the value of an option for files is none: seconds, or the name of criteria.
+bool isNoFile(std::string_view option, const std::string& value, const std::string& file) {
+  double seconds = 0;
+  if (option == "rset")
+    return readNumber(value, seconds);
+  if (option != "criteria")
+    return false;
+  std::error_code error;
+  const auto names = criteriaNames();
+  return value == "none" || std::ranges::find(names, value) != names.end() ||
+         (value.find_first_of("./\\") == value.npos && !std::filesystem::exists(file, error));
+}
 
 std::string plainName(const std::string& text) {
   std::string name;
@@ -85,9 +100,10 @@ class StudyReader {
     std::string text = value.is_string() ? value.get<std::string>() : value.dump();
     if (!value.is_string() && !value.is_number())
       return wrong(where, "expected a text, a number, true, or a list of texts and numbers");
-    const bool file = std::ranges::find(kFiles, key) != kFiles.end() && value.is_string() &&
-                      text != "usual" && text != "none";
-    return file ? besides(file_, text) : text;
+    if (std::ranges::find(kFiles, key) == kFiles.end() || !value.is_string())
+      return text;
+    std::string file = besides(file_, text);
+    return isNoFile(key, text, file) ? text : file;
   }
 
   Result<OptionSet> options(const nlohmann::json& json, const std::string& where) const {

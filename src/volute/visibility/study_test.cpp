@@ -152,6 +152,25 @@ TEST(StudyFile, ARunThatIsThereTwiceIsRefused) {
               HasSubstr("with the same options, as a and b"));
 }
 
+TEST(StudyFile, FilesAreThoseBesideItAndWordsStayWords) {
+  const testing::TempFolder folder;
+  const auto file = folder / "study.json";
+  const auto wordOf = [&](const std::string& option, const std::string& value) {
+    EXPECT_TRUE(writeFile(file, dumpJson({{"cases", {"a.smv"}}, {"options", {{option, value}}}})));
+    return Study::read(file.string()).value().runs[0].words[0];
+  };
+  const auto wordOfFile = [&](const std::string& option, const std::string& name) {
+    return "--" + option + "=" + (folder / name).string();
+  };
+  for (const char* option : {"signs", "areas", "underlay", "route", "criteria", "rset"})
+    EXPECT_EQ(wordOf(option, "own.json"), wordOfFile(option, "own.json"));
+  EXPECT_EQ(wordOf("rset", "100"), "--rset=100");
+  for (const char* name : {"usual", "none", "iso-13571", "nz-c4.3", "iso-1357"})
+    EXPECT_EQ(wordOf("criteria", name), std::string("--criteria=") + name);
+  ASSERT_TRUE(writeFile(folder / "mine", "{}"));
+  EXPECT_EQ(wordOf("criteria", "mine"), wordOfFile("criteria", "mine"));
+}
+
 TEST_F(StudyComparison, AStoreyThatIsMissingIsAnError) {
   StudyResults results("a");
   write(folder_ / "a",
