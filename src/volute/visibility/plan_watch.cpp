@@ -31,12 +31,30 @@ constexpr std::uint64_t kPlace = 160;  ///< [bytes] of a point of the plan itsel
 /// Where the colours of visibility end [m]: what FDS writes at most.
 constexpr double kFar = 30;
 
+/// Where it burns is in the plan, on solids or not.
+Status checkFires(const Survey& survey, const FloorPlan& plan) {
+  for (const Vec3& fire : survey.fires) {
+    bool held = false;
+    for (std::size_t i = 0; i < plan.size() && !held; ++i)
+      held = (plan.at(i) - fire).head<2>().norm() <= fire.z();
+    if (held)
+      continue;
+    return failFor("fire_at", ErrorCode::kInvalidArgument,
+                   "no point of the plan is within {:g} m of {:g}, {:g} m; the plan reaches from "
+                   "{:g}, {:g} to {:g}, {:g} m, with points {:g} m apart",
+                   fire.z(), fire.x(), fire.y(), survey.bounds.min.x(), survey.bounds.min.y(),
+                   survey.bounds.max.x(), survey.bounds.max.y(), survey.step);
+  }
+  return {};
+}
+
 class PlanWatch final : public Watch {
  public:
   Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
     progress_ = &progress;
     VOLUTE_ASSIGN(plan_, floorPlan(first, survey.bounds, survey.height, survey.step));
+    VOLUTE_TRY(checkFires(survey, plan_));
     shapes_ = first.shapes(plan_.origin[2]);
     for (std::size_t s = 0; s < survey.signs.size(); ++s)
       shown_.push_back(!signsOfStorey(first, {&survey.signs[s], 1}, plan_.origin[2]).empty());
