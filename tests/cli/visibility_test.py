@@ -560,6 +560,39 @@ class Damage(Visibility):
         self.assertIn("--speed has no effect without --route",
                       self.fails(2, *walk[:4], "--height", 1, "--speed", 2, "-o", self.path("out")))
 
+    def test_options_without_effect_are_refused(self):
+        """What is of plans alone beside other eyes, and heights that a file says itself."""
+        self.path("flat.csv").write_text("x,y\n1,1\n1,2\n")
+        self.path("high.csv").write_text("x,y,z\n1,1,1\n1,2,1\n")
+        self.path("walk.csv").write_text("id,time,x,y,z\n1,0,1,1,1\n1,10,1,2,1\n")
+        self.path("floor.csv").write_text("id,time,x,y,floor\n1,0,1,1,0\n1,10,1,2,0\n")
+
+        def said(*options):
+            return self.fails(2, "visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), *options)
+
+        of_plans = (("--rset", 60), ("--everywhere",), ("--fire-at", "1,1,1"), ("--maps", "aset"), ("--underlay", self.path("plan.dxf")),
+                    ("--extinction-limit", 0.2), ("--sight-limit", "small-room"))
+        for kind, file in (("--route", "high.csv"), ("--eyes", "high.csv"), ("--trajectories", "walk.csv")):
+            eyes = (kind, self.path(file))
+            for option in of_plans if kind == "--route" else (*of_plans, ("--step", 0.5)):
+                self.assertIn(f"{option[0]} has no effect beside {kind}; omit one", said(*eyes, *option))
+        for kind in ("--route", "--eyes"):
+            self.assertIn("--height has no effect: " + str(self.path("high.csv")) + " has z", said(kind, self.path("high.csv"), "--height", 1))
+        self.assertIn("--eye-height has no effect: ", said("--trajectories", self.path("walk.csv"), "--eye-height", 1))
+        self.assertIn("--eye-height has no effect beside --height",
+                      said("--trajectories", self.path("floor.csv"), "--eye-height", 1, "--height", 1))
+        self.assertIn("--fire-at has no effect beside --everywhere", said("--height", 1, "--everywhere", "--fire-at", "1,1,1"))
+        self.works("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--trajectories",
+                   self.path("floor.csv"), "--eye-height", 1)
+        self.works("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--route", self.path("flat.csv"),
+                   "--height", 1, "--step", 0.5)
+
+    def test_a_fire_beside_the_plan_is_refused(self):
+        plan = ("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--height", 1, "--step", 1, "--maps", "aset")
+        for place in ("500,500,1", "1,1,0.1"):
+            self.assertIn("--fire-at: no point of the plan is within ", self.fails(2, *plan, "--fire-at", place))
+        self.works(*plan, "--fire-at", "1,1,0.8")
+
     def test_members_and_limits_that_mean_nothing_are_refused(self):
         self.path("cm.json").write_text(json.dumps({"unit": "cm", "signs": [self.east()]}))
         look = ("visibility", self.case, "--eyes", self.points, "-o", self.path("out"), "--signs")

@@ -71,6 +71,9 @@ class Trajectories {
 
   static constexpr double kEyeHeight = 1.8;  ///< [m]
 
+  /// Whether anybody's eyes are `eyeHeight` above a floor.
+  bool areAboveFloors() const { return aboveFloors_; }
+
   /// Remarks on how columns and units were read.
   std::span<const std::string> remarks() const { return remarks_; }
 
@@ -111,6 +114,7 @@ class Trajectories {
   void add(int id, std::vector<Step> steps);
 
   std::vector<std::string> remarks_;
+  bool aboveFloors_ = false;
   std::vector<int> ids_;
   std::vector<std::vector<Step>> steps_;  // of each person, ascending in time
   double begin_ = 0, end_ = 0;

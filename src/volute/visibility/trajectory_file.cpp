@@ -52,8 +52,10 @@ class Walks {
     Vec3 eye = row.place;
     if (height_)
       eye[2] = *height_;
-    else if (zIs != HeightOf::kEyes)
+    else if (zIs != HeightOf::kEyes) {
       eye[2] += row.eyes.value_or(aboveFloor_);
+      aboveFloors_ = aboveFloors_ || !row.eyes;
+    }
     if (std::isfinite(row.place[2]))
       highest_ = std::max(highest_, row.place[2]);
     const auto [last, first] = last_.emplace(row.id, row.time);
@@ -71,6 +73,9 @@ class Walks {
   }
 
   bool empty() const { return people_.empty(); }
+
+  /// Whether anybody's eyes are as high above the floor as everybody's.
+  bool areAboveFloors() const { return aboveFloors_ || isFloor(); }
 
   /// Nobody runs so fast: lengths or times are in another unit.
   Status checkSpeeds(double rate) {
@@ -146,6 +151,7 @@ class Walks {
   std::string file_;
   std::optional<double> height_;
   double aboveFloor_;
+  bool aboveFloors_ = false;                                   // it counts for somebody
   double highest_ = -std::numeric_limits<double>::infinity();  // z [m]
   std::map<int, std::map<double, Vec3>> people_;
   std::map<int, double> last_;  // the time of each person's last line
@@ -423,6 +429,7 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
     VOLUTE_TRY(readFrames(text, file, height, walks, rate));
   }
   VOLUTE_TRY(walks.checkSpeeds(rate));
+  result.aboveFloors_ = walks.areAboveFloors();
   for (std::string& remark : walks.remarks()) result.remarks_.push_back(std::move(remark));
   walks.give(rate, [&](int id, const std::vector<std::pair<double, Vec3>>& list) {
     std::vector<Step> steps;

@@ -45,31 +45,59 @@ Result<std::vector<double>> heightsOf(const Arguments& arguments) {
   return heights;
 }
 
+/// What has no effect on other eyes than a plan's, or beside another option, is refused.
+Status checkOptionsOfEyes(const Arguments& arguments) {
+  const auto refuseBoth = [&](const char* option, const char* other) -> Status {
+    if (!arguments.given(option) || !arguments.given(other))
+      return {};
+    return fail(ErrorCode::kInvalidArgument, "--{} has no effect beside --{}; omit one", option,
+                other);
+  };
+  VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+  for (const char* eyes : {"route", "eyes", "trajectories"}) {
+    if (!arguments.given(eyes))
+      continue;
+    for (const char* areas : {"areas", "area-layer"}) {
+      if (arguments.given(areas))
+        return fail(ErrorCode::kInvalidArgument, "--{}: areas are of plans; --{} has none", areas,
+                    eyes);
+    }
+    if (heights.size() > 1)
+      return fail(ErrorCode::kInvalidArgument,
+                  "--height: several heights are for plans; --{} takes one", eyes);
+    for (const char* option :
+         {"rset", "everywhere", "fire-at", "maps", "underlay", "extinction-limit", "sight-limit"})
+      VOLUTE_TRY(refuseBoth(option, eyes));
+  }
+  for (const char* eyes : {"eyes", "trajectories"}) VOLUTE_TRY(refuseBoth("step", eyes));
+  VOLUTE_TRY(refuseBoth("eye-height", "height"));
+  return refuseBoth("fire-at", "everywhere");
+}
+
+/// That of all eyes, if it is given.
+Result<std::optional<double>> givenHeight(const Arguments& arguments) {
+  if (!arguments.given("height"))
+    return std::nullopt;
+  VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
+  return heights.front();
+}
+
+/// Points of a table, which says their z or leaves it to --height.
+Result<std::vector<NamedPoint>> pointsOf(const Arguments& arguments, const std::string& file,
+                                         const Context& context) {
+  VOLUTE_ASSIGN(const auto height, givenHeight(arguments));
+  VOLUTE_ASSIGN(const auto text, textOf(file, context));
+  VOLUTE_ASSIGN(auto points, parsePoints(text, file, height));
+  if (height && points.front().hasZ)
+    return fail(ErrorCode::kInvalidArgument, "--height has no effect: {} has z; omit one", file);
+  return points;
+}
+
 /// @param heights  gets those of the eyes [m], other than a plan's
 Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context& context,
                                        std::vector<Remark>& remarks, std::set<double>& heights) {
-  for (const char* option : {"route", "eyes", "trajectories"}) {
-    for (const char* areas : {"areas", "area-layer"}) {
-      if (arguments.given(areas) && arguments.given(option))
-        return fail(ErrorCode::kInvalidArgument, "--{}: areas are of plans; --{} has none", areas,
-                    option);
-    }
-  }
-  std::optional<double> height;
-  if (arguments.given("height")) {
-    VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
-    if (heights.size() > 1) {
-      for (const char* option : {"route", "eyes", "trajectories"}) {
-        if (arguments.given(option))
-          return fail(ErrorCode::kInvalidArgument,
-                      "--height: several heights are for plans; --{} takes one", option);
-      }
-    }
-    height = heights.front();
-  }
   if (const auto file = arguments.find<std::string>("route")) {
-    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
-    VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
+    VOLUTE_ASSIGN(const auto points, pointsOf(arguments, *file, context));
     VOLUTE_ASSIGN(auto routes, routesOf(points, *file));
     for (const NamedPoint& point : points) heights.insert(point.position.z());
     VOLUTE_ASSIGN(const auto slowed,
@@ -79,8 +107,7 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     return routeWatch(std::move(routes), {arguments.get<double>("speed"), start, slowed});
   }
   if (const auto file = arguments.find<std::string>("eyes")) {
-    VOLUTE_ASSIGN(const auto text, textOf(*file, context));
-    VOLUTE_ASSIGN(const auto points, parsePoints(text, *file, height));
+    VOLUTE_ASSIGN(const auto points, pointsOf(arguments, *file, context));
     std::vector<Vec3> eyes;
     for (const NamedPoint& point : points) {
       eyes.push_back(point.position);
@@ -89,9 +116,14 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
     return pointWatch(std::move(eyes));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
+    VOLUTE_ASSIGN(const auto height, givenHeight(arguments));
     VOLUTE_ASSIGN(const auto text, peopleOf(*file, context));
     VOLUTE_ASSIGN(auto people,
                   Trajectories::parse(text, *file, height, arguments.get<double>("eye-height")));
+    if (arguments.given("eye-height") && !people.areAboveFloors()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--eye-height has no effect: {} says how high all eyes are; omit it", *file);
+    }
     remarks.insert(remarks.end(), people.remarks().begin(), people.remarks().end());
     people.outside([&](double z) {
       heights.insert(std::round(20 * z) / 20);  // as fine as a layer of a slice
@@ -280,6 +312,7 @@ Status runVisibility(const Arguments& arguments, Context& context) {
     return fail(ErrorCode::kInvalidArgument,
                 "--stats: {} is in the folder that --output makes anew; give another name", *stats);
   }
+  VOLUTE_TRY(checkOptionsOfEyes(arguments));
   Context::watch(output);
   VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
   const bool pdf = arguments.flag("pdf");
