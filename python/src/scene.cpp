@@ -809,7 +809,11 @@ class PythonTrajectories {
                    [&](Progress&) { return Trajectories::parse(text, file, height, eyeHeight); })) {
   }
 
-  py::list remarks() const { return textsOf({walks_.remarks().begin(), walks_.remarks().end()}); }
+  py::list remarks() const {
+    std::vector<std::string> sentences;
+    for (const Remark& remark : walks_.remarks()) sentences.push_back(remark.sentence);
+    return textsOf(sentences);
+  }
 
   py::tuple span() const { return py::make_tuple(walks_.begin(), walks_.end()); }
 

@@ -55,7 +55,7 @@ bool isNumber(std::string_view field) {
 TableReader::TableReader(std::string_view file, std::vector<TableColumn> columns, TableRules rules)
     : file_(file),
       columns_(std::move(columns)),
-      rules_(rules),
+      rules_(std::move(rules)),
       places_(columns_.size(), -1),
       changes_(columns_.size()),
       stated_(columns_.size(), false) {}
@@ -94,7 +94,7 @@ Status TableReader::useUnit(std::size_t column, std::string_view unit) {
 Status TableReader::takeNames(std::string_view line) {
   separator_ = rules_.blanks ? '\0' : separatorOf(line);
   const auto fields = fieldsOf(line, separator_);
-  std::vector<std::string> unknown;
+  std::vector<std::string> unknown, spare;
   std::vector<std::string_view> known;
   for (const TableColumn& column : columns_) {
     known.push_back(column.name);
@@ -112,8 +112,9 @@ Status TableReader::takeNames(std::string_view line) {
     });
     if (found == columns_.end()) {
       const bool leftOut = fields[i].empty() || (fields[i].starts_with('#') && i > 0);
+      const bool isSpare = std::ranges::find(rules_.spare, split.name) != rules_.spare.end();
       if (!leftOut)
-        unknown.emplace_back(fields[i].substr(0, kShown));
+        (isSpare ? spare : unknown).emplace_back(fields[i].substr(0, kShown));
       continue;
     }
     const auto column = static_cast<std::size_t>(found - columns_.begin());
@@ -124,11 +125,16 @@ Status TableReader::takeNames(std::string_view line) {
     VOLUTE_TRY(useUnit(column, split.unit.value_or("")));
   }
   count_ = fields.size();
+  const auto leaveOut = [&](RemarkCode code, const std::vector<std::string>& names) {
+    if (!names.empty())
+      remarks_.emplace_back(
+          code, fmt::format("{}: not used of its columns: {}", file_, fmt::join(names, ", ")));
+  };
+  leaveOut(RemarkCode::kNote, spare);
   if (unknown.empty())
     return {};
   if (!rules_.own) {
-    remarks_.push_back(
-        fmt::format("{}: not used of its columns: {}", file_, fmt::join(unknown, ", ")));
+    leaveOut(RemarkCode::kLeftOut, unknown);
     return {};
   }
   std::string name = splitName(unknown.front()).name;

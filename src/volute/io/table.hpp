@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/io/table_row.hpp"
 #include "volute/io/unit.hpp"
@@ -35,6 +36,8 @@ struct TableRules {
   std::array<std::size_t, 2> unnamed{0, 0};
   bool blanks = false;  ///< blanks separate fields
   bool longer = false;  ///< lines may have more fields than there are names
+  /// Columns that other programs always write and nobody needs here: leaving them out is a note.
+  std::vector<std::string_view> spare = {};
 };
 
 /// Reads a table line by line: names of columns, units in their names ("x [cm]", "time/min", "z
@@ -74,7 +77,7 @@ class TableReader {
 
   int line() const { return line_; }  ///< from 1
 
-  std::span<const std::string> remarks() const { return remarks_; }
+  std::span<const Remark> remarks() const { return remarks_; }
 
  private:
   Status readUnits();
@@ -94,7 +97,7 @@ class TableReader {
   int line_ = 0;
   std::string lineText_;  // where it had to be decoded
   std::vector<std::string_view> fields_;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
 };
 
 /// Takes all lines of `text`; calls visit() for each line of values.

@@ -62,7 +62,7 @@ TEST(Tables, NumbersOfFortranAreRead) {
 
 struct Rows {
   std::vector<std::vector<double>> values;
-  std::vector<std::string> remarks;
+  std::vector<Remark> remarks;
 };
 
 Result<Rows> rowsOf(std::string_view text, TableRules rules = {}) {
@@ -119,9 +119,14 @@ TEST(Tables, ColumnsAreNamedOnceAndKnown) {
   EXPECT_THAT(refusal("x,t,time\n1,2,3\n"), HasSubstr("two columns are called 'time'"));
   EXPECT_THAT(refusal("x,X\n1,2\n"), HasSubstr("two columns are called 'x'"));
   EXPECT_TRUE(rowsOf("x,#law,\n1,a,\n"));
-  const auto others = rowsOf("x,law,speed\n1,a,2\n", {.own = false});
+  const auto others =
+      rowsOf("x,law,speed,Angle [deg]\n1,a,2,3\n", {.own = false, .spare = {"angle"}});
   ASSERT_TRUE(others);
-  EXPECT_THAT(others->remarks, ElementsAre(HasSubstr("not used of its columns: law, speed")));
+  ASSERT_EQ(others->remarks.size(), 2U);
+  EXPECT_EQ(others->remarks[0].code, RemarkCode::kNote);
+  EXPECT_THAT(others->remarks[0].sentence, HasSubstr("not used of its columns: Angle [deg]"));
+  EXPECT_EQ(others->remarks[1].code, RemarkCode::kLeftOut);
+  EXPECT_THAT(others->remarks[1].sentence, HasSubstr("not used of its columns: law, speed"));
 }
 
 TEST(Tables, WithoutNamesHaveTheFirstColumns) {

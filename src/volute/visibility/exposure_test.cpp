@@ -337,6 +337,10 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_TRUE(Rset::parse("x,y,rset\n0,1,30\n0,1,30\n", "map.csv"));
   const auto floors = Rset::parse("x,y,z,rset\n0,0,0,30\n0,0,3,50\n", "map.csv").value();
   EXPECT_EQ(floors.at(heights, 1), (std::vector<double>{30, 50}));
+  const auto away = floors.remarks(std::vector{1.8});
+  ASSERT_EQ(away.size(), 1U);
+  EXPECT_EQ(away[0].code, RemarkCode::kLeftOut);
+  EXPECT_THAT(away[0].sentence, HasSubstr("1 of 2 places are on no storey"));
   EXPECT_EQ(Rset::parse("x [cm],y,rset [min]\n100,2,0.5\n", "m.csv").value().at(points, 1)[0], 30);
   EXPECT_THAT(Rset::parse("x,y,rset\n1,2,-20\n", "m.csv").error().message,
               HasSubstr("line 2: rset is -20 s; expected 0 or more"));

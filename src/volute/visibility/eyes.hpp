@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/visibility/floor_plan.hpp"
 
 // Eye positions: plans, routes, tables and trajectories.
@@ -75,7 +76,7 @@ class Trajectories {
   bool areAboveFloors() const { return aboveFloors_; }
 
   /// Remarks on how columns and units were read.
-  std::span<const std::string> remarks() const { return remarks_; }
+  std::span<const Remark> remarks() const { return remarks_; }
 
   struct Person {
     int id = 0;
@@ -113,7 +114,7 @@ class Trajectories {
 
   void add(int id, std::vector<Step> steps);
 
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;
   bool aboveFloors_ = false;
   std::vector<int> ids_;
   std::vector<std::vector<Step>> steps_;  // of each person, ascending in time

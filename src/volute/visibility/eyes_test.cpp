@@ -106,6 +106,10 @@ TEST(Routes, HaveStationsFromStartToEnd) {
               HasSubstr("route 'x' has no length"));
 }
 
+auto says(const std::string& text) {
+  return ::testing::Field(&Remark::sentence, HasSubstr(text));
+}
+
 TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
   constexpr const char* kText =
       "#description: jpscore (0.9.6)\n#framerate: 8.00\n#ID: the agent ID\n"
@@ -138,10 +142,10 @@ TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
                         "# framerate: 25\n#ID\tFR\tX/cm\tY/cm\tZ/cm\n1 0 100 200 0\n", "t.txt", {})
                         .value();
   EXPECT_NEAR((flat.at(0)[0].eye - Vec3(1, 2, 1.8)).norm(), 0, 1e-12) << "nobody's head";
-  EXPECT_THAT(flat.remarks(), Contains(HasSubstr("z is the floor there")));
+  EXPECT_THAT(flat.remarks(), Contains(says("z is the floor there")));
   const auto floor = Trajectories::parse(kText, "t.txt", {}).value();
   EXPECT_NEAR(floor.at(0)[0].eye[2], 1.8, 1e-12);
-  EXPECT_THAT(floor.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m")));
+  EXPECT_THAT(floor.remarks(), Contains(says("z is the floor there: eyes are 1.8 m")));
 }
 
 TEST(Trajectories, AreReadAsPathfinderWritesThem) {
@@ -156,13 +160,13 @@ TEST(Trajectories, AreReadAsPathfinderWritesThem) {
   EXPECT_EQ(walk.begin(), 1) << "before, the person is not there";
   EXPECT_EQ(walk.end(), 2);
   EXPECT_NEAR((walk.at(1.5)[0].eye - Vec3(1.5, 2, 4.8)).norm(), 0, 1e-12);
-  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("z is the floor there: eyes are 1.8 m above it")));
-  EXPECT_THAT(walk.remarks(), Contains(HasSubstr("not used of its columns: v, distance")));
+  EXPECT_THAT(walk.remarks(), Contains(says("z is the floor there: eyes are 1.8 m above it")));
+  EXPECT_THAT(walk.remarks(), Contains(says("not used of its columns: v, distance")));
   EXPECT_EQ(Trajectories::parse(kText, "o.csv", {}, 1.2)->at(1)[0].eye[2], 4.2);
   const auto level = Trajectories::parse(kText, "o.csv", 2.5).value();
   EXPECT_EQ(level.at(1)[0].eye[2], 2.5);
   EXPECT_THAT(level.remarks(),
-              Contains(HasSubstr("o.csv: its z is not used: all eyes are at z = 2.5 m")));
+              Contains(says("o.csv: its z is not used: all eyes are at z = 2.5 m")));
   // Without ids; time goes back for the first person.
   const auto named =
       Trajectories::parse("t,name,active,x,y,z\n2,Ann,1,1,2,0\n1,Bob,1,5,2,0\n1,Ann,1,3,2,0\n",
@@ -171,8 +175,8 @@ TEST(Trajectories, AreReadAsPathfinderWritesThem) {
   EXPECT_EQ(named.people(), 2);
   EXPECT_EQ(named.at(1)[0].eye.x(), 3);
   EXPECT_EQ(named.at(1)[1].eye.x(), 5);
-  EXPECT_THAT(named.remarks(), Contains(HasSubstr("people are numbered from 1")));
-  EXPECT_THAT(named.remarks(), Contains(HasSubstr("o.csv: line 4: time goes back there")));
+  EXPECT_THAT(named.remarks(), Contains(says("people are numbered from 1")));
+  EXPECT_THAT(named.remarks(), Contains(says("o.csv: line 4: time goes back there")));
   EXPECT_EQ(named.outside([](double z) { return z > 2; }), 2U);
 }
 
@@ -186,8 +190,44 @@ TEST(Trajectories, OfATableAreEyesOrStandOnFloors) {
   const auto floors =
       Trajectories::parse("id,t,x,y,floor,eye_height\n1,0,1,2,3,1.1\n", "t.csv", {}).value();
   EXPECT_EQ(floors.at(0)[0].eye, Vec3(1, 2, 4.1)) << "somebody in a wheelchair";
+  EXPECT_FALSE(floors.areAboveFloors());
+  EXPECT_THAT(
+      floors.remarks(),
+      ::testing::ElementsAre(says("floor is the floor there: eyes are as far as eye_height says")));
   EXPECT_THAT(Trajectories::parse("id,t,x,y\n1,0,1,2\n", "t.csv", {}).error().message,
               HasSubstr("the height of the eyes stated"));
+}
+
+TEST(Trajectories, ColumnsThatAreNotUsedAreTold) {
+  const auto leftOut = [](const char* text, std::optional<double> height = {}) {
+    const auto walk = Trajectories::parse(text, "t.csv", height).value();
+    std::string sentences;
+    for (const Remark& remark : walk.remarks())
+      sentences += remark.code == RemarkCode::kLeftOut ? remark.sentence + "\n" : "";
+    return sentences;
+  };
+  EXPECT_THAT(leftOut("id,t,x,y,z,floor\n1,0,1,2,1.2,0\n"), HasSubstr("its z is not used: floor"));
+  EXPECT_THAT(leftOut("id,t,x,y,z,eye_height\n1,0,1,2,1.2,1\n"),
+              HasSubstr("its eye_height is not used: z is that of the eyes"));
+  EXPECT_THAT(leftOut("id,t,x,y,eye_height\n1,0,1,2,1\n", 2), HasSubstr("its eye_height is not"));
+  EXPECT_THAT(leftOut("id,t,x,y,floor\n1,0,1,2,1\n", 2), HasSubstr("its floor is not used"));
+  EXPECT_THAT(leftOut("id,t,x,y,z,colour\n1,0,1,2,1,red\n"), HasSubstr("colour"));
+  EXPECT_EQ(leftOut("id,t,x,y,z,active,v,distance\n1,0,1,2,1,1,0,0\n"), "");
+}
+
+TEST(Trajectories, WhoIsThereAndWhoItIsMustBeClear) {
+  const auto active = [](const std::string& word) {
+    return Trajectories::parse("id,t,x,y,z,active\n1,0,1,2,0,1\n1,1,1,2,0," + word + "\n", "t.csv",
+                               {});
+  };
+  for (const char* word : {"1", "true", "Yes", "1.0"}) EXPECT_EQ(active(word)->end(), 1) << word;
+  for (const char* word : {"0", "FALSE", "no"}) EXPECT_EQ(active(word)->end(), 0) << word;
+  for (const char* word : {"f", "", "2"})
+    EXPECT_THAT(active(word).error().message, HasSubstr("line 3: active is '")) << word;
+  EXPECT_THAT(Trajectories::parse("id,name,t,x,y,z\n1,Ann,0,1,2,1\n1,Bob,1,1,2,1\n", "t.csv", {})
+                  .error()
+                  .message,
+              HasSubstr("line 3: person 1 is called 'Bob', and 'Ann' before"));
 }
 
 TEST(Trajectories, DamageIsNamed) {
@@ -219,10 +259,10 @@ TEST(Trajectories, NobodyRunsAThousandTimesTooFast) {
   };
   EXPECT_THAT(walk(1000).error().message, HasSubstr("expected places in metres"));
   ASSERT_TRUE(walk(1));
-  EXPECT_THAT(walk(1)->remarks(), ::testing::Not(Contains(HasSubstr("people move"))));
+  EXPECT_THAT(walk(1)->remarks(), ::testing::Not(Contains(says("people move"))));
   const auto slow = Trajectories::parse("#framerate: 8\n1 0 0 0 0\n1 8 0.001 0 0\n", "t.txt", 1.8);
   ASSERT_TRUE(slow);
-  EXPECT_THAT(slow->remarks(), Contains(HasSubstr("people move at 0.001 m/s")));
+  EXPECT_THAT(slow->remarks(), Contains(says("people move at 0.001 m/s")));
 }
 
 /// Calls check for a text with every bit flipped once, and for every beginning of it.

@@ -89,7 +89,7 @@ class PlanWatch final : public Watch {
             (survey.everywhere || !survey.fires.empty() ? 0 : SmokeColumn::kBytesOfEye)));
     if (const auto remark = survey.rset ? survey.rset->placesBeside(survey.bounds) : "";
         !remark.empty())
-      progress.remark(remark);
+      progress.remark({RemarkCode::kDoubtful, remark});
     std::vector<double> floors;
     if (!survey.everywhere)
       floors = standOnFloors(first, survey.bounds, survey.height, eyes_, progress);

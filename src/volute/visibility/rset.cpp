@@ -207,8 +207,8 @@ std::span<const std::pair<std::string, double>> Rset::areas() const {
                : std::span<const std::pair<std::string, double>>();
 }
 
-std::vector<std::string> Rset::remarks(std::span<const double> heights) const {
-  std::vector<std::string> remarks;
+std::vector<Remark> Rset::remarks(std::span<const double> heights) const {
+  std::vector<Remark> remarks;
   const auto isOn = [&](double z) {
     return std::isnan(z) || std::ranges::any_of(heights, [&](double height) {
              return height - z >= kBelow && height - z <= kAbove;
@@ -216,9 +216,11 @@ std::vector<std::string> Rset::remarks(std::span<const double> heights) const {
   };
   const auto add = [&](std::size_t away, std::size_t all, std::string_view what) {
     if (away > 0)
-      remarks.push_back(fmt::format(
-          "rset: {} of {} {} on no storey whose eyes are at z = {:g} m: they count nowhere", away,
-          all, what, fmt::join(heights, ", ")));
+      remarks.emplace_back(
+          RemarkCode::kLeftOut,
+          fmt::format(
+              "rset: {} of {} {} on no storey whose eyes are at z = {:g} m: they count nowhere",
+              away, all, what, fmt::join(heights, ", ")));
   };
   if (const auto* people = std::get_if<Trajectories>(&what_)) {
     remarks.assign(people->remarks().begin(), people->remarks().end());

@@ -43,7 +43,7 @@ class Rset {
 
   /// Sentences about how a file was read, and about people, or places of a map, that are on no
   /// storey with eyes at one of these heights [m].
-  std::vector<std::string> remarks(std::span<const double> heights) const;
+  std::vector<Remark> remarks(std::span<const double> heights) const;
 
   std::string description() const;
 

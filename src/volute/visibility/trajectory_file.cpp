@@ -40,6 +40,8 @@ class Walks {
       : file_(file), height_(height), aboveFloor_(aboveFloor) {}
 
   HeightOf zIs = HeightOf::kEyes;
+  std::string_view column = "z";  ///< that it stands in
+  bool ownHeights = false;        ///< everybody's eyes are as far above the floor as a column says
   bool guessed = false;  ///< zIs by who writes such files: z near 0 is the floor nevertheless
 
   Status add(const Row& row, std::string_view where) {
@@ -52,10 +54,9 @@ class Walks {
     Vec3 eye = row.place;
     if (height_)
       eye[2] = *height_;
-    else if (zIs != HeightOf::kEyes) {
+    else if (zIs != HeightOf::kEyes)
       eye[2] += row.eyes.value_or(aboveFloor_);
-      aboveFloors_ = aboveFloors_ || !row.eyes;
-    }
+    aboveFloors_ = aboveFloors_ || (!height_ && zIs != HeightOf::kEyes && !row.eyes);
     if (std::isfinite(row.place[2]))
       highest_ = std::max(highest_, row.place[2]);
     const auto [last, first] = last_.emplace(row.id, row.time);
@@ -115,29 +116,35 @@ class Walks {
     }
   }
 
-  std::vector<std::string> remarks() const {
-    std::vector<std::string> remarks;
+  std::vector<Remark> remarks() const {
+    std::vector<Remark> remarks;
     if (back_ > 0) {
-      remarks.push_back(fmt::format(
-          "{}: time goes back there{}: places are sorted by time, so that "
-          "two walks of one person become one",
-          backAt_, back_ > 1 ? fmt::format(", and at {} lines more", back_ - 1) : std::string()));
+      remarks.emplace_back(
+          RemarkCode::kDoubtful,
+          fmt::format("{}: time goes back there{}: places are sorted by time, so that "
+                      "two walks of one person become one",
+                      backAt_, back_ > 1 ? fmt::format(", and at {} lines more", back_ - 1) : ""));
     }
     if (slow_) {
-      remarks.push_back(fmt::format(
-          "{}: people move at {:.2g} m/s in the mean, where they move: are places in km?", file_,
-          *slow_));
+      remarks.emplace_back(
+          RemarkCode::kDoubtful,
+          fmt::format(
+              "{}: people move at {:.2g} m/s in the mean, where they move: are places in km?",
+              file_, *slow_));
     }
-    if (height_ && !std::isnan(*height_) && zIs != HeightOf::kNothing)
-      remarks.push_back(
-          fmt::format("{}: its z is not used: all eyes are at z = {:g} m", file_, *height_));
+    if (height_ && !std::isnan(*height_) && (zIs != HeightOf::kNothing || ownHeights)) {
+      remarks.emplace_back(
+          RemarkCode::kLeftOut,
+          fmt::format("{}: its {} is not used: all eyes are at z = {:g} m", file_,
+                      zIs == HeightOf::kNothing ? "eye_height" : column, *height_));
+    }
     if (height_ || (zIs == HeightOf::kEyes && !isFloor()))
       return remarks;
-    remarks.push_back(fmt::format("{}: {}: eyes are {:g} m above it", file_,
-                                  zIs != HeightOf::kNothing
-                                      ? "z is the floor there"
-                                      : "has no z: the floor is taken at z = 0",
-                                  aboveFloor_));
+    remarks.push_back(
+        fmt::format("{}: {}: eyes are {} above it", file_,
+                    zIs != HeightOf::kNothing ? fmt::format("{} is the floor there", column)
+                                              : "has no z: the floor is taken at z = 0",
+                    ownHeights ? "as far as eye_height says" : fmt::format("{:g} m", aboveFloor_)));
     return remarks;
   }
 
@@ -178,21 +185,41 @@ enum PersonColumn : std::size_t {
   kFloorZ,
   kActive,
   kLocation,
-  kEyes,
+  kOwnHeight,
   kPersonName
 };
 
 constexpr const char* kTableNames = "a line of names with id, time, x, y and z";
 
 /// Whether somebody is there: "1", "0", "true" ...
-bool isPresent(std::string_view text) {
-  const std::string word = lowerCase(text);
-  return word != "0" && word != "false" && word != "no";
+Result<bool> isPresent(const TableReader& table) {
+  const std::string word = lowerCase(table.text(kActive));
+  const auto number = finiteNumber(word);
+  if (number == 1 || word == "true" || word == "yes")
+    return true;
+  if (number == 0 || word == "false" || word == "no")
+    return false;
+  return fail(ErrorCode::kInvalidData,
+              "{}: active is '{}'; expected 1 or 0, true or false, yes or no", table.where(), word);
+}
+
+/// What a table of people has and is not used.
+void tellUnused(const TableReader& table, std::string_view file, const Walks& walks,
+                std::optional<double> height, std::vector<Remark>& remarks) {
+  remarks.insert(remarks.end(), table.remarks().begin(), table.remarks().end());
+  const auto tell = [&](std::string_view column, std::string_view why) {
+    remarks.emplace_back(RemarkCode::kLeftOut,
+                         fmt::format("{}: its {} is not used: {}", file, column, why));
+  };
+  if (!height && table.has(kFloorZ) && table.has(kPz))
+    tell("z", "floor says where people stand; leave floor out if z is that of the eyes");
+  if (!height && table.has(kOwnHeight) && walks.zIs == HeightOf::kEyes)
+    tell("eye_height", "z is that of the eyes");
 }
 
 /// A table with names: our own id,time,x,y,z, or what Pathfinder writes about its occupants.
 Status readPeopleTable(std::string_view text, std::string_view file, std::optional<double> height,
-                       Walks& walks, std::vector<std::string>& remarks) {
+                       Walks& walks, std::vector<Remark>& remarks) {
   TableReader table(
       file,
       {{"id", "", {"agent", "person", "occupant", "occupant id", "agent id", "person id"}},
@@ -205,9 +232,10 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
        {"location", "", {}, true},
        {"eye_height", "m"},
        {"name", "", {}, true}},
-      {.own = false});
+      {.own = false, .spare = {"v", "speed", "distance"}});
   bool checked = false;
   std::map<std::string, int, std::less<>> numbers;  // of names, where there are no ids
+  std::map<int, std::string> names;                 // of ids
   VOLUTE_TRY(readTable(table, text, [&]() -> Status {
     if (!checked) {
       checked = true;
@@ -219,18 +247,32 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
       walks.zIs = table.has(kFloorZ) || (table.has(kPz) && ofPathfinder) ? HeightOf::kFloor
                   : table.has(kPz)                                       ? HeightOf::kEyes
                                                                          : HeightOf::kNothing;
+      walks.column = table.has(kFloorZ) ? "floor" : "z";
+      walks.ownHeights = table.has(kOwnHeight);
       if (walks.zIs == HeightOf::kNothing && !height) {
         return fail(ErrorCode::kInvalidData,
                     "{}: expected {} (of the eyes), floor, or the height of the eyes stated",
                     table.where(), kTableNames);
       }
     }
-    if (table.has(kActive) && !isPresent(table.text(kActive)))
-      return {};  // not yet there, or gone
+    if (table.has(kActive)) {
+      VOLUTE_ASSIGN(const bool present, isPresent(table));
+      if (!present)
+        return {};  // not yet there, or gone
+    }
     Row row;
     if (table.has(kId)) {
       VOLUTE_ASSIGN(const double id, table.whole(kId, -kLargestId, kLargestId));
       row.id = static_cast<int>(id);
+      if (table.has(kPersonName)) {
+        const auto known = names.emplace(row.id, table.text(kPersonName)).first;
+        if (known->second != table.text(kPersonName)) {
+          return fail(
+              ErrorCode::kInvalidData,
+              "{}: person {} is called '{}', and '{}' before; expected one name for each id",
+              table.where(), row.id, table.text(kPersonName), known->second);
+        }
+      }
     } else {
       const int next = static_cast<int>(numbers.size()) + 1;
       row.id = numbers.emplace(table.text(kPersonName), next).first->second;
@@ -242,12 +284,12 @@ Status readPeopleTable(std::string_view text, std::string_view file, std::option
     if (table.has(z)) {
       VOLUTE_ASSIGN(row.place[2], table.number(z));
     }
-    if (table.has(kEyes)) {
-      VOLUTE_ASSIGN(row.eyes, table.number(kEyes));
+    if (table.has(kOwnHeight)) {
+      VOLUTE_ASSIGN(row.eyes, table.number(kOwnHeight));
     }
     return walks.add(row, table.where());
   }));
-  remarks.insert(remarks.end(), table.remarks().begin(), table.remarks().end());
+  tellUnused(table, file, walks, height, remarks);
   if (!numbers.empty()) {
     remarks.push_back(
         fmt::format("{}: has no ids: people are numbered from 1 in the order in which "
@@ -430,7 +472,7 @@ Result<Trajectories> Trajectories::parse(std::string_view text, std::string_view
   }
   VOLUTE_TRY(walks.checkSpeeds(rate));
   result.aboveFloors_ = walks.areAboveFloors();
-  for (std::string& remark : walks.remarks()) result.remarks_.push_back(std::move(remark));
+  for (Remark& remark : walks.remarks()) result.remarks_.push_back(std::move(remark));
   walks.give(rate, [&](int id, const std::vector<std::pair<double, Vec3>>& list) {
     std::vector<Step> steps;
     for (const auto& [time, eye] : list) steps.push_back({time, eye});

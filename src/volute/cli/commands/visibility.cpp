@@ -261,7 +261,7 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
       VOLUTE_ASSIGN(request.survey.rset, Rset::read(*rset, context.maxMemory / 16));
     }
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
-    for (std::string& remark : request.survey.rset->remarks(heights))
+    for (Remark& remark : request.survey.rset->remarks(heights))
       request.remarks.push_back(std::move(remark));
   }
   if (const auto file = arguments.find<std::string>("areas")) {
