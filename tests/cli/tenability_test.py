@@ -718,6 +718,10 @@ class Tenability(Cases):
         refused({"criteria": [{"kind": "temperature"}]}, "/criteria/0/limit", "missing")
         refused({"criteria": [{"kind": "fed-gas", "model": "purser", "limit": 1}]}, "iso-13571, sfpe")
         refused({"criteria": [{"kind": "fed-gas", "limt": 1}]}, "did you mean 'limit'")
+        for kind, member, value, said in (
+                ("temperature", "C", 8, "temperature"), ("temperature", "model", "fds", "temperature"), ("oxygen", "clothing", "clothed", "oxygen"),
+                ("fed-gas", "activity", "heavy", "fed-gas by iso-13571"), ("fed-gas", "C", 3, "fed-gas"), ("fec", "burns", "pain", "fec by iso-13571")):
+            refused({"criteria": [{"kind": kind, "limit": 0.3, member: value}]}, f"/criteria/0/{member}: has no effect on {said}; leave it out")
         self.path("rset.csv").write_text("what\n")
         self.assertIn("x,y,rset", self.fails(1, "visibility", case, "--signs", signs, "--rset", self.path("rset.csv"), "-o",
                                              self.path("x")))

@@ -492,6 +492,7 @@ class Damage(Visibility):
                 (sign(position=[1, 2]), "/signs/1/position"), (sign(position=[1, 2, "x"]), "/signs/1/position"),
                 (sign(normal=[0, 0, 0]), "/signs/1/normal: is zero"), (sign(size=[1, -1]), "/signs/1/size"),
                 (sign(size=[600, 300]), "/signs/1/size: 600 is out of range; expected [width, height] in metres"),
+                (sign(emitting=True, C=3), "/signs/1/emitting: has no effect beside C"),
                 (sign(C=0), "/signs/1/C"), (sign(C="jin"), "/signs/1/C"), (sign(emitting=1), "/signs/1/emitting"),
                 (sign(angle_law="sine"), "/signs/1/angle_law"), (sign(angle_law={"limit": 270}), "/signs/1/angle_law"),
                 (sign(name="east"), "/signs/1/name: 'east' is another"), (sign(emiting=True), "did you mean 'emitting'"),

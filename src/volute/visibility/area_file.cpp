@@ -211,6 +211,8 @@ class AreaReader {
     } else if (has("areas")) {
       if (has("line"))
         return wrong("line", "a route has a line or areas, not both");
+      if (has("width"))
+        return wrong("width", "has no effect on a route of areas; leave it out");
       if (!json_["areas"].is_array() || json_["areas"].empty())
         return wrong("areas", "expected a list of names of areas and exits");
       for (const nlohmann::json& one : json_["areas"]) {

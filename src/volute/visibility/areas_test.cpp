@@ -194,6 +194,9 @@ TEST_F(AreaFile, RefusesWhatContradictsItself) {
               HasSubstr("/areas/1: 'office' is the name of "));
   EXPECT_THAT(error(areas(office + R"(, {"name": "b", "polygon": [[3,1],[6,1],[6,2]]})")),
               HasSubstr("/areas/0), at x = "));
+  EXPECT_THAT(error(R"({"areas": [)" + office +
+                    R"(], "routes": [{"name": "r", "areas": ["office"], "width": 7}]})"),
+              HasSubstr("/routes/0/width: has no effect on a route of areas"));
   EXPECT_THAT(error(areas(R"({"name": "b", "polygon": [[0,0],[2,2],[2,0],[0,2]]})")),
               HasSubstr("/areas/0/polygon: crosses itself at x = 1, y = 1 m"));
   EXPECT_THAT(error(areas(R"({"name": "b", "polygon": [[0,0],[2,2],[4,4]]})")),

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "volute/base/suggest.hpp"
 #include "volute/io/json_file.hpp"
@@ -33,6 +34,7 @@ class CriterionReader {
     Criterion criterion;
     VOLUTE_ASSIGN(const auto kind, text("kind", ""));
     VOLUTE_TRY(readKind(kind, criterion));
+    VOLUTE_TRY(checkEffects(kind, criterion));
     VOLUTE_ASSIGN(criterion.name, text("name", kind));
     VOLUTE_TRY(readPerson(criterion));
     VOLUTE_TRY(readLimit(kind, criterion));
@@ -96,6 +98,25 @@ class CriterionReader {
     }
     criterion.quantity = *quantity;
     criterion.falling = *quantity == Air::kOxygen;
+    return {};
+  }
+
+  /// What such a criterion does not use is refused.
+  Status checkEffects(const std::string& kind, const Criterion& criterion) const {
+    const auto isOneOf = [&](auto... laws) { return ((criterion.law == laws) || ...); };
+    const std::pair<const char*, bool> used[] = {
+        {"model", criterion.law.has_value()},
+        {"activity", isOneOf(DoseLaw::kSfpeGas, DoseLaw::kFdsGas)},
+        {"clothing", isOneOf(DoseLaw::kIsoHeat)},
+        {"burns", isOneOf(DoseLaw::kIsoHeat)},
+        {"C", kind == "visibility"}};
+    for (const auto& [key, isUsed] : used) {
+      if (json_.contains(key) && !isUsed)
+        return wrong(key, fmt::format("has no effect on {}{}; leave it out", kind,
+                                      criterion.law && std::string_view(key) != "C"
+                                          ? fmt::format(" by {}", infoOf(*criterion.law).name)
+                                          : ""));
+    }
     return {};
   }
 

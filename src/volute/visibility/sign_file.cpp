@@ -80,6 +80,8 @@ class SignReader {
       return wrong("emitting", "expected true or false");
     if (!json_.contains("C"))
       return visibilityLaw(json_.value("emitting", false) ? "jin-emitting" : "jin-reflecting");
+    if (json_.contains("emitting"))
+      return wrong("emitting", "has no effect beside C; leave one out");
     const nlohmann::json& c = json_["C"];
     auto law = visibilityLaw(c.is_string() ? c.get<std::string>() : c.dump());
     if (!law)
