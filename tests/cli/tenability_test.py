@@ -812,6 +812,15 @@ class Areas(Cases):
             self.path("rset.csv").write_text("area,rset\n" + lines)
             self.assertIn(saying, self.fails(1, *words))
 
+    def test_two_required_times_of_one_area_are_refused(self):
+        self.path("rset.csv").write_text("area,rset\nwest,60\n")
+        area = {"name": "west", "polygon": [[0, 0], [9.9, 0], [9.9, 4], [0, 4]]}
+        self.assertEqual(self.look({"areas": [area | {"rset": 60}]}, "--rset", self.path("rset.csv"))["areas"][0]["margin"]["value"], -30)
+        self.path("areas.json").write_text(json.dumps({"areas": [area | {"rset": 40}]}))
+        self.assertIn("--rset: 'west' has 60 s in the table and 40 s of its own",
+                      self.fails(2, "visibility", self.rooms(), "--signs", self.signs(), "--areas", self.path("areas.json"), "--rset",
+                                 self.path("rset.csv"), "-o", self.path("x")))
+
     def test_people_of_no_storey_and_times_that_go_back_are_told(self):
         self.path("walk.csv").write_text("id,time,x,y,z\n1,10,5,1,1.5\n1,0,5,1,1.5\n2,0,5,1,9\n")
         result = self.works("visibility", self.rooms(), "--signs", self.signs(), "--rset", self.path("walk.csv"), "--height", 1.5,

@@ -393,6 +393,12 @@ Status addRequired(const Survey& survey, double height, Progress& progress, Plan
   for (const auto& [name, seconds] : survey.rset->areas()) {
     const auto area = std::ranges::find(areas.areas, name, &PlanAreas::Area::name);
     if (area != areas.areas.end()) {
+      if (area->rset && *area->rset != seconds) {
+        return failFor("rset", ErrorCode::kInvalidArgument,
+                       "'{}' has {:g} s in the table and {:g} s of its own; expected one time for "
+                       "each area",
+                       name, seconds, *area->rset);
+      }
       area->rset = seconds;
       ++found;
     } else if (std::ranges::none_of(survey.areas, [&, &name = name](const NamedArea& one) {
