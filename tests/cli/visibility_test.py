@@ -561,6 +561,12 @@ class Damage(Visibility):
         self.assertIn("--speed has no effect without --route",
                       self.fails(2, *walk[:4], "--height", 1, "--speed", 2, "-o", self.path("out")))
 
+    def test_routes_of_signs_are_of_walkers(self):
+        look = ("visibility", self.case, "-o", self.path("out"), "--eyes", self.points, "--signs")
+        self.assertIn("routes of signs are not used without --route: 'east' is for everybody",
+                      self.works(*look, self.signs(self.east(routes=["north"]), self.west())).message)
+        self.assertNotIn("routes of signs", self.works(*look, self.signs(self.east())).message)
+
     def test_options_without_effect_are_refused(self):
         """What is of plans alone beside other eyes, and heights that a file says itself."""
         self.path("flat.csv").write_text("x,y\n1,1\n1,2\n")

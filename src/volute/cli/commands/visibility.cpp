@@ -210,6 +210,20 @@ Result<std::unique_ptr<SightField>> fieldOf(const Arguments& arguments, Context&
   return field;
 }
 
+/// Signs for walkers of some routes, where none are walked.
+void tellRoutesOfSigns(const std::vector<SafetySign>& signs, std::vector<Remark>& remarks) {
+  std::vector<std::string_view> names;
+  for (const SafetySign& sign : signs) {
+    if (!sign.routes.empty())
+      names.push_back(sign.name);
+  }
+  if (!names.empty())
+    remarks.emplace_back(RemarkCode::kLeftOut,
+                         fmt::format("the routes of signs are not used without --route: '{}' "
+                                     "{} for everybody",
+                                     fmt::join(names, "', '"), names.size() > 1 ? "are" : "is"));
+}
+
 /// What the report says of itself, and the files that are read besides the case's own.
 SurveyRequest::Document documentOf(const Arguments& arguments) {
   const auto text = [&](const char* option) {
@@ -236,6 +250,8 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   request.casePath = arguments.positional(0);
   request.output = output;
   VOLUTE_ASSIGN(request.signs, readSigns(arguments.get<std::string>("signs")));
+  if (!arguments.given("route"))
+    tellRoutesOfSigns(request.signs, request.remarks);
   for (const std::string& set : arguments.all("set")) {
     const auto names = split(set, ',');
     request.sets.emplace_back(names.begin(), names.end());
