@@ -561,6 +561,12 @@ class Damage(Visibility):
         self.assertIn("--speed has no effect without --route",
                       self.fails(2, *walk[:4], "--height", 1, "--speed", 2, "-o", self.path("out")))
 
+    def test_names_of_eyes_are_kept(self):
+        self.path("named.csv").write_text("x,y,z,name\n1,1,1,desk\n1,-3,1,yard\n2,1,1,\n")
+        said = self.works("visibility", self.case, "--signs", self.signs(self.east()), "--eyes", self.path("named.csv"), "-o", self.path("out"))
+        self.assertEqual(self.report()["eyes"]["names"], ["desk", "yard", ""])
+        self.assertIn("eye 2 (yard) at 1, -3, 1 m is where", said.message)
+
     def test_routes_of_signs_are_of_walkers(self):
         look = ("visibility", self.case, "-o", self.path("out"), "--eyes", self.points, "--signs")
         self.assertIn("routes of signs are not used without --route: 'east' is for everybody",

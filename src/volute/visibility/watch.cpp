@@ -222,7 +222,8 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
 /// Points of a file, or people who walk. Gives sight.csv and figures, no page.
 class PointWatch : public Watch {
  public:
-  explicit PointWatch(std::vector<Vec3> points) : points_(std::move(points)) {}
+  PointWatch(std::vector<Vec3> points, std::vector<std::string> names)
+      : points_(std::move(points)), names_(std::move(names)) {}
 
   Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
@@ -231,7 +232,7 @@ class PointWatch : public Watch {
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (places[i] != Place::kGas) {
         progress.remark({RemarkCode::kDoubtful,
-                         fmt::format("eye {} at {:g}, {:g}, {:g} m is {}", i + 1, points_[i][0],
+                         fmt::format("eye {} at {:g}, {:g}, {:g} m is {}", nameOf(i), points_[i][0],
                                      points_[i][1], points_[i][2],
                                      places[i] == Place::kSolid ? "inside something solid"
                                                                 : "where the case has no smoke")});
@@ -261,6 +262,8 @@ class PointWatch : public Watch {
     if (survey_->endsAfter())
       VOLUTE_TRY(goOn());
     report["eyes"] = {{"kind", "points"}, {"count", points_.size()}};
+    if (!names_.empty())
+      report["eyes"]["names"] = names_;
     report["aset"] = Json::array();
     for (std::size_t set = 0; set < survey_->sets.size(); ++set) {
       const LossTimes loss = losses_->times(set);
@@ -277,11 +280,11 @@ class PointWatch : public Watch {
     if (meter_) {
       const LossTimes sight = losses_->earliest(0), latest = losses_->latest(0);
       const std::vector<bool> inSight = losses_->inSight(0);
-      report["verdict"] = exposureVerdict(
-          *meter_, *survey_,
-          {"point", "points", [](std::size_t i) { return fmt::format("point {}", i + 1); },
-           [&](std::size_t i, double) { return points_[i]; }},
-          {&sight, &inSight}, {&latest, &inSight});
+      report["verdict"] =
+          exposureVerdict(*meter_, *survey_,
+                          {"point", "points", [&](std::size_t i) { return "point " + nameOf(i); },
+                           [&](std::size_t i, double) { return points_[i]; }},
+                          {&sight, &inSight}, {&latest, &inSight});
       report["tenability"]["criteria"] = exposureJson(*meter_, survey_->round);
       std::string head = "time,x,y,z";
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
@@ -300,6 +303,12 @@ class PointWatch : public Watch {
   bool hasPage() const override { return false; }
 
  private:
+  /// "2", "2 (door)".
+  std::string nameOf(std::size_t point) const {
+    const bool named = !names_.empty() && !names_[point].empty();
+    return fmt::format("{}{}", point + 1, named ? fmt::format(" ({})", names_[point]) : "");
+  }
+
   /// Through the times at which the air is stored but no smoke.
   Status goOn() {
     losses_->loseRest();
@@ -333,6 +342,7 @@ class PointWatch : public Watch {
 
   const Survey* survey_ = nullptr;
   std::vector<Vec3> points_;
+  std::vector<std::string> names_;  // of each, or none
   std::optional<SignLoss> losses_;
   std::optional<ExposureMeter> meter_;
   std::string table_;  // lines of tenability.csv
@@ -745,8 +755,8 @@ std::string Survey::fileName(std::string_view name) {
   return fmt::format("{}_{}", file.substr(0, kLongest - 9), hash.digits().substr(0, 8));
 }
 
-std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points) {
-  return std::make_unique<PointWatch>(std::move(points));
+std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points, std::vector<std::string> names) {
+  return std::make_unique<PointWatch>(std::move(points), std::move(names));
 }
 
 std::unique_ptr<Watch> trajectoryWatch(Trajectories people) {

@@ -180,7 +180,8 @@ struct Walk {
 
 /// Points along routes, and people who walk them.
 std::unique_ptr<Watch> routeWatch(std::vector<Route> routes, const Walk& walk);
-std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points);
+/// @param names  of the points, or none
+std::unique_ptr<Watch> pointWatch(std::vector<Vec3> points, std::vector<std::string> names = {});
 std::unique_ptr<Watch> trajectoryWatch(Trajectories people);
 
 }  // namespace volute

@@ -109,11 +109,15 @@ Result<std::unique_ptr<Watch>> watchOf(const Arguments& arguments, const Context
   if (const auto file = arguments.find<std::string>("eyes")) {
     VOLUTE_ASSIGN(const auto points, pointsOf(arguments, *file, context));
     std::vector<Vec3> eyes;
+    std::vector<std::string> names;
     for (const NamedPoint& point : points) {
       eyes.push_back(point.position);
+      names.push_back(point.name);
       heights.insert(point.position.z());
     }
-    return pointWatch(std::move(eyes));
+    if (std::ranges::all_of(names, &std::string::empty))
+      names.clear();
+    return pointWatch(std::move(eyes), std::move(names));
   }
   if (const auto file = arguments.find<std::string>("trajectories")) {
     VOLUTE_ASSIGN(const auto height, givenHeight(arguments));
