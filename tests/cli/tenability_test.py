@@ -349,6 +349,13 @@ class Tenability(Cases):
         self.assertLess(storeys[1]["verdict"][0]["time"], storeys[0]["verdict"][0]["time"])
         self.assertIn("The height of the eyes is not varied here", page)
 
+    def test_heights_that_differ_little_have_folders_of_their_own(self):
+        self.works("visibility", self.case(more=[]), "--signs", self.signs(), "--criteria", "none", "--height", "1.500001,1.500002,2.5",
+                   "--step", 2, "--maps", "aset", "-o", self.path("out"))
+        storeys = json.loads((self.path("out") / "visibility.json").read_text())["heights"]
+        self.assertEqual([one["folder"] for one in storeys], ["z_1.500001", "z_1.500002", "z_2.5"])
+        self.assertEqual([self.report(f"out/{one['folder']}")["eyes"]["height"] for one in storeys], [1.500001, 1.500002, 2.5])
+
     def test_meshes_have_air_too(self):
         def room(name, *fields):
             for i, t in enumerate((0, 10, 20)):

@@ -48,6 +48,13 @@ Json worstVerdicts(const Json& storeys) {
   return worst;
 }
 
+/// "z_1.8", with all its digits if another height has the same first six.
+std::string folderOf(double height, std::span<const double> heights) {
+  const auto rounded = [](double z) { return fmt::format("z_{:g}", z); };
+  const std::string name = rounded(height);
+  return std::ranges::count(heights, name, rounded) > 1 ? fmt::format("z_{}", height) : name;
+}
+
 }  // namespace
 
 Result<SurveySummary> surveyStoreys(
@@ -71,7 +78,7 @@ Result<SurveySummary> surveyStoreys(
   std::vector<SurveyPage> pages;
   Json list = Json::array();
   for (const double height : heights) {
-    const std::string name = fmt::format("z_{:g}", height);
+    const std::string name = folderOf(height, heights);
     progress.remark(fmt::format("eyes at z = {:g} m", height));
     VOLUTE_ASSIGN(auto found, survey(height, (folder / name).string()));
     all.times = std::move(found.times);
