@@ -600,6 +600,13 @@ class Damage(Visibility):
         self.works("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--route", self.path("flat.csv"),
                    "--height", 1, "--step", 0.5)
 
+    def test_two_authors_and_a_drawing_elsewhere_are_refused(self):
+        plan = ("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--height", 1, "--step", 1)
+        self.assertIn("2 of --author, --by are given", self.fails(2, *plan, "--author", "A", "--by", "B"))
+        self.path("plan.dxf").write_text("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n20\n0\n11\n7\n21\n3\n0\nENDSEC\n0\nEOF\n")
+        self.assertIn("--underlay-bounds: 100,100,101,101 is apart from the case, which reaches from 0, 0 to 7, 3 m",
+                      self.fails(2, *plan, "--underlay", self.path("plan.dxf"), "--underlay-bounds", "100,100,101,101"))
+
     def test_a_fire_beside_the_plan_is_refused(self):
         plan = ("visibility", self.case, "--signs", self.signs(self.east()), "-o", self.path("out"), "--height", 1, "--step", 1, "--maps", "aset")
         for place in ("500,500,1", "1,1,0.1"):

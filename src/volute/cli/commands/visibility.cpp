@@ -193,6 +193,13 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
           "the drawing's lower left and upper right corners are",
           *text);
     }
+    if (ends[0] >= bounds.max.x() || ends[2] <= bounds.min.x() || ends[1] >= bounds.max.y() ||
+        ends[3] <= bounds.min.y()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--underlay-bounds: {} is apart from the case, which reaches from {:g}, {:g} to "
+                  "{:g}, {:g} m: nothing would be drawn",
+                  *text, bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y());
+    }
     options.place = {{ends[0], ends[1]}, {ends[2], ends[3]}};
   }
   VOLUTE_ASSIGN(auto underlay, readUnderlay(*file, options, remarks));
@@ -555,6 +562,7 @@ Command visibilityCommand() {
                                "or any other medium"}},
       .options = visibilityOptionTable(),
       .oneOf = {{.names = {"route", "eyes", "trajectories"}},
+                {.names = {"author", "by"}},
                 {.names = {"extinction-limit", "sight-limit"}}},
       .ranks = true,
       .run = runVisibility};
