@@ -252,7 +252,8 @@ TEST_F(UnsavedControls, AnotherFileOpensAfterTheQuestion) {
   EXPECT_EQ(app().tools().painting.tool().painter().coefficients().c, painted);
   script_->drop(folder_.path("smoke.json"));
   script_->frames(2);
-  ASSERT_TRUE(script_->write("leave map", folder_.path("nowhere/map.png")));  // with Enter: it saves
+  ASSERT_TRUE(
+      script_->write("leave map", folder_.path("nowhere/map.png")));  // with Enter: it saves
   load();
   ASSERT_TRUE(app().leaving().asked()) << "it could not be saved";
   EXPECT_THAT(app().document().error(), ::testing::HasSubstr("nowhere"));
