@@ -396,11 +396,12 @@ class SceneSight final : public SightField {
                   scene);
     }
     if (times_.size() < most) {
-      remarks_.push_back(Remark(RemarkCode::kLeftOut,
-                                fmt::format("{}: sight lines are of the {} times that all of its "
-                                            "media store; one of them stores {}",
-                                            scene, times_.size(), most))
-                             .in(scene));
+      remarks_.push_back(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: sight lines are of the times that all of its media "
+                             "store, which are {}; one of them stores {}",
+                             scene, times_.size(), most))
+              .in(scene));
     }
     return {};
   }

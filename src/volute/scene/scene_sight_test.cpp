@@ -233,8 +233,9 @@ TEST_F(SightOfSeveral, IsTheSumWhereEachEndsWhereAnotherBegins) {
   SightField& field = **opened;
   EXPECT_THAT(field.times(), ElementsAre(0, 10)) << "what is stored of both";
   EXPECT_EQ(field.end(), 100) << "and nothing is known after 10 s";
-  EXPECT_THAT(field.remarks(), ElementsAre(::testing::Field(
-                                   &Remark::sentence, HasSubstr("the 2 times that all of its"))));
+  EXPECT_THAT(field.remarks(),
+              ElementsAre(::testing::Field(&Remark::sentence,
+                                           HasSubstr("store, which are 2; one of them stores 5"))));
   const Sight through = look(field, 1, {0.5, 0.5, 0.5}, {1.5, 0.5, 0.5});
   EXPECT_TRUE(through.covered);
   EXPECT_NEAR(through.depth, 1, 1e-9);
