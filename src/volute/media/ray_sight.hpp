@@ -23,6 +23,8 @@ class RaySight final : public SightField {
 
   int numberOf(std::size_t time) const override { return medium_->info().numbers[time]; }
 
+  bool clearBeyond() const override { return true; }
+
  protected:
   Box3 ownBounds() const override { return medium_->info().bounds; }
 

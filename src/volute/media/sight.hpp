@@ -378,6 +378,9 @@ class SightField {
   /// All places of which the field may know something [m].
   Box3 bounds() const { return wrap_ ? wrappedBounds_ : ownBounds(); }
 
+  /// Whether the air beyond bounds() is clear rather than unknown.
+  virtual bool clearBeyond() const { return false; }
+
   /// Where north is [degrees], from +y clockwise as seen from above; nothing: not known.
   virtual std::optional<double> north() const { return std::nullopt; }
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/assert.hpp"
 #include "volute/media/occluded_sight.hpp"
-#include "volute/media/ray_sight.hpp"
 #include "volute/scene/kinds.hpp"
 
 namespace volute {
@@ -40,7 +40,7 @@ std::vector<Remark> hidingNothing(const Scene& scene) {
 struct Part {
   std::shared_ptr<const SightSnapshot> sight;
   Box3 bounds;
-  bool clearBeyond = false;  ///< air that is clear, not unknown
+  bool clearBeyond = false;  ///< SightField::clearBeyond()
 };
 
 /// Several media at one time: depths and bounds add up, and what is opaque in one of them is. Where
@@ -346,9 +346,9 @@ class SceneSight final : public SightField {
       }
       auto own = still;
       if (!own) {
-        VOLUTE_ASSIGN(own, one.sight->read(nearest(one.sight->times(), times_[time])));
+        VOLUTE_ASSIGN(own, one.sight->read(placeOf(*one.sight, times_[time])));
       }
-      parts.push_back({std::move(own), one.sight->bounds(), one.clearBeyond()});
+      parts.push_back({std::move(own), one.sight->bounds(), one.sight->clearBeyond()});
     }
     return std::make_shared<const SumOfSights>(std::move(parts));
   }
@@ -359,15 +359,13 @@ class SceneSight final : public SightField {
     std::shared_ptr<const SightSnapshot> still;  ///< of one that does not move
 
     bool moves() const { return sight->times().size() > 1; }
-
-    /// What is known along rays ends where the medium does.
-    bool clearBeyond() const { return dynamic_cast<const RaySight*>(sight.get()) != nullptr; }
   };
 
-  static std::size_t nearest(std::span<const double> times, double time) {
-    return static_cast<std::size_t>(
-        std::ranges::min_element(times, {}, [&](double one) { return std::abs(one - time); }) -
-        times.begin());
+  /// The position of a time that a field stores.
+  static std::size_t placeOf(const SightField& field, double time) {
+    const auto place = storedPlace(field.times(), time);
+    VOLUTE_ASSERT(place);
+    return place->share > 0.5 ? place->second : place->first;
   }
 
   Status setTimes(const std::string& scene) {
