@@ -3,6 +3,7 @@
 #include "volute/media/smoke/smoke_walls.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -83,45 +84,69 @@ class LampsOnWalls {
   /// Adds what points of a wall reflect of lamps' light if they reflect all.
   void addTo(std::span<Rgb> light, std::span<const Vec3> points, std::size_t face) const {
     const WallFace& wall = walls_.faces()[face];
-    const auto vertices = smoke_.locator->mesh().vertices();
+    const CornerShares sharesAt(wall.vertices, smoke_.locator->mesh().vertices());
     std::vector<Vec3> corners(points.size()), near;
-    std::vector<double> shares;
-    std::vector<Segment> ways;
-    std::vector<Rgb> arriving;
+    std::vector<double> reflected, shares;
     std::vector<std::size_t> lit;
-    std::vector<std::uint8_t> blocked;
-    const CornerShares sharesAt(wall.vertices, vertices);
     for (std::size_t i = 0; i < points.size(); ++i) corners[i] = sharesAt(points[i]);
     for (std::size_t l = 0; l < lights_.lamps.size(); ++l) {
       const Lamp& lamp = lights_.lamps[l];
-      near.clear(), ways.clear(), arriving.clear(), lit.clear();
+      const double ahead = aheadOf(wall, lamp);
+      if (!(ahead > 0) || !(lamp.intensity > 0).any())
+        continue;
+      near.clear(), reflected.clear(), lit.clear();
       for (std::size_t i = 0; i < points.size(); ++i) {
-        const Segment way = lamp.towards(points[i]);
-        const double cosine = wall.inwards.dot(way.direction);
-        if (!(cosine > 0))
-          continue;
-        const Rgb reflected = cosine / std::numbers::pi * lamp.irradiance(way);
-        if (!(reflected > 0).any())
-          continue;
-        near.push_back(corners[i]), lit.push_back(i), arriving.push_back(reflected);
-        if (blocks_)
-          ways.push_back(way);
+        const double here = reflectedShare(lamp, ahead, points[i]);
+        if (here > 0)
+          near.push_back(corners[i]), lit.push_back(i), reflected.push_back(here);
       }
       if (lit.empty())
         continue;
       shares.resize(lit.size());
       known_.shares(request_, l, face, near, shares);
-      blocked.assign(lit.size(), 0);
-      if (blocks_)
-        blocks_(ways, blocked);
-      for (std::size_t i = 0; i < lit.size(); ++i) {
-        if (!blocked[i])
-          light[lit[i]] += shares[i] * arriving[i];
-      }
+      leaveOutBlocked(lamp, points, lit, shares);
+      for (std::size_t i = 0; i < lit.size(); ++i)
+        light[lit[i]] += shares[i] * reflected[i] * lamp.intensity;
     }
   }
 
  private:
+  /// How far a lamp is before the plane of a wall [m]; the sun: the cosine at which it shines
+  /// there.
+  double aheadOf(const WallFace& wall, const Lamp& lamp) const {
+    if (lamp.kind == Lamp::Kind::kSun)
+      return -wall.inwards.dot(lamp.direction);
+    const Vec3& corner = smoke_.locator->mesh().vertices()[wall.vertices[0]];
+    return wall.inwards.dot(lamp.position - corner);
+  }
+
+  /// Of a lamp's intensity, what a point of a white wall reflects if nothing is in the way: [1/m^2]
+  /// of a spot. Lamp::irradiance() by the cosine of the wall, over pi.
+  static double reflectedShare(const Lamp& lamp, double ahead, const Vec3& point) {
+    constexpr double kInversePi = 1 / std::numbers::pi;
+    if (lamp.kind == Lamp::Kind::kSun)
+      return ahead * kInversePi;
+    const double square = (lamp.position - point).squaredNorm();
+    const double reach = std::max(square, lamp.radius * lamp.radius);
+    const double all = ahead * kInversePi / (std::sqrt(square) * reach);
+    return lamp.coneCosine > -1 ? lamp.coneShare(point) * all : all;
+  }
+
+  void leaveOutBlocked(const Lamp& lamp, std::span<const Vec3> points,
+                       std::span<const std::size_t> lit, std::span<double> shares) const {
+    if (!blocks_)
+      return;
+    std::vector<Segment> ways;
+    ways.reserve(lit.size());
+    for (const std::size_t i : lit) ways.push_back(lamp.towards(points[i]));
+    std::vector<std::uint8_t> blocked(lit.size(), 0);
+    blocks_(ways, blocked);
+    for (std::size_t i = 0; i < lit.size(); ++i) {
+      if (blocked[i])
+        shares[i] = 0;
+    }
+  }
+
   const SmokeState& smoke_;
   const SceneLights& lights_;
   const Blocks& blocks_;
