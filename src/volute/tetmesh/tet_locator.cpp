@@ -161,4 +161,33 @@ void TetLocator::crossings(const Segment& segment, std::vector<TetCrossing>& out
   out.resize(kept);
 }
 
+TetOverlap TetLocator::overlap() const {
+  constexpr std::size_t kTried = std::size_t{1} << 15;
+  constexpr double kInside = 1e-3;  // of the shares
+  const auto tets = mesh_->tets();
+  const auto points = mesh_->vertices();
+  const std::size_t step = tets.size() / kTried + 1;
+  TetOverlap found;
+  double all = 0, twice = 0;
+  for (std::size_t t = 0; t < tets.size(); t += step) {
+    const auto own = static_cast<std::int32_t>(t);
+    const auto [a, b, c, d] = tets[t];
+    const Vec3 middle = (points[a] + points[b] + points[c] + points[d]) / 4;
+    const double volume = mesh_->volume(own);
+    all += volume;
+    bool isTwice = false;
+    cellsAround(middle, middle, box_, cell_, count_).forEach(count_, [&](std::size_t cell) {
+      for (auto i = begin_[cell]; i < begin_[cell + 1] && !isTwice; ++i) {
+        isTwice = entries_[i] != own && std::ranges::all_of(mesh_->shares(entries_[i], middle),
+                                                            [](double s) { return s > kInside; });
+      }
+    });
+    if (isTwice && !(twice > 0))
+      found.first = middle;
+    twice += isTwice ? volume : 0;
+  }
+  found.share = all > 0 ? twice / all : 0;
+  return found;
+}
+
 }  // namespace volute

@@ -18,6 +18,12 @@ struct TetCrossing {
   double begin = 0, end = 0;
 };
 
+/// Tets that lie in others too.
+struct TetOverlap {
+  double share = 0;           ///< of the volume of the tets that were tried, 0..1
+  Vec3 first = Vec3::Zero();  ///< a place in two of them; of none if share is 0
+};
+
 /// Finds tets by place: a regular grid of lists. Knows nothing of adjacency, in double: the slow
 /// twin of all that walks from face to face. Thread-safe.
 class TetLocator {
@@ -32,6 +38,10 @@ class TetLocator {
   /// All tets that a segment runs through, front to back, without overlap. A segment along a shared
   /// face gets one of the tets beside it.
   void crossings(const Segment& segment, std::vector<TetCrossing>& out) const;
+
+  /// Whether the middle of tets lies in another one, by more than cells with warped faces do. Of up
+  /// to 2^15 tets, spread over the mesh.
+  TetOverlap overlap() const;
 
  private:
   std::shared_ptr<const TetMesh> mesh_;

@@ -38,6 +38,30 @@ conformance::Traits traits() {
 VOLUTE_CONFORMANCE(LitTets, conformance::underTest(medium(true), traits()));
 VOLUTE_CONFORMANCE(BlackTets, conformance::underTest(medium(false), traits()));
 
+/// Of the middles of a box's tets: all that lie in a second box of the same size too.
+TEST(TetLocator, FindsTetsThatLieInOthers) {
+  EXPECT_EQ(TetLocator(mesh()).overlap().share, 0);
+  EXPECT_EQ(TetLocator(hallMesh(1, 3)).overlap().share, 0);
+  const auto single = boxMesh(kMediumBox, {8, 6, 4}, 0, 1);
+  const double width = kMediumBox.size().x();
+  for (const double share : {0.5, 0.25}) {
+    std::vector<Vec3> points(single->vertices().begin(), single->vertices().end());
+    std::vector<Tet> tets(single->tets().begin(), single->tets().end());
+    const auto count = static_cast<std::int32_t>(points.size());
+    for (const Vec3& point : single->vertices())
+      points.push_back(point + Vec3((1 - share) * width, 0, 0));
+    for (Tet tet : single->tets()) {
+      for (std::int32_t& v : tet) v += count;
+      tets.push_back(tet);
+    }
+    const auto both = TetMesh::build(std::move(points), std::move(tets), "two boxes").value();
+    const TetOverlap overlap = TetLocator(both).overlap();
+    EXPECT_NEAR(overlap.share, share, 0.02);
+    EXPECT_GT(overlap.first.x(), kMediumBox.min.x() + (1 - share) * width);
+    EXPECT_LT(overlap.first.x(), kMediumBox.max.x());
+  }
+}
+
 /// Grey behind uniform smoke: within half a level of 255 e^(-K L) at every distance, direction and
 /// size of cells (optics of the FDS beam detector; oblique views of a unit cube of grey 100: 68
 /// over sqrt 2 m, 50 over sqrt 3 m).

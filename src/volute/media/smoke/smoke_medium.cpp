@@ -333,6 +333,23 @@ void SmokeMedium::addThinSmoke(double most, const std::string& when,
           .in(description_.file));
 }
 
+void SmokeMedium::tellOverlap(const Stored& stored) {
+  constexpr double kTold = 1e-4;  // of the volume
+  const TetOverlap overlap = stored.paths->locator()->overlap();
+  if (!(overlap.share > kTold) || std::exchange(files_->overlapTold, true))
+    return;
+  progress_->remark(
+      Remark(
+          RemarkCode::kDoubtful,
+          fmt::format("{}: step {}: {:.2g} % of the volume of its cells lie in other cells too, as "
+                      "at ({:.4g}, {:.4g}, {:.4g}) m; pictures may count the smoke of both there, "
+                      "sight lines that of one; write each place once, or mark the cells that are "
+                      "copies (vtkGhostType)",
+                      description_.file, stored.index, 100 * overlap.share, overlap.first.x(),
+                      overlap.first.y(), overlap.first.z()))
+          .in(description_.file));
+}
+
 Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::size_t index) {
   std::vector<std::shared_ptr<const Stored>>& held = files_->steps;
   for (const auto& stored : held) {
@@ -359,6 +376,7 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     stored->meshHash.add(frame.mesh->vertices());
     stored->meshHash.add(frame.mesh->tets());
+    tellOverlap(*stored);
   }
   if (frame.clamped > 0) {
     progress_->remark(

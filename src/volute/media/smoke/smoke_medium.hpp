@@ -223,6 +223,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
     std::shared_ptr<const TetMesh> wallsOf{};  ///< what `walls` are of
     std::shared_ptr<const MeshWalls> walls{};
     bool ghostsTold = false;
+    bool overlapTold = false;
   };
 
   /// Data computed from a frame.
@@ -239,6 +240,8 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
 
   [[nodiscard]] Result<std::shared_ptr<const Step>> step(std::size_t index);
   [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
+  /// Says that cells lie in others, once.
+  void tellOverlap(const Stored& stored);
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   [[nodiscard]] Status light(Step& step);
   [[nodiscard]] Result<std::shared_ptr<const MeshWalls>> wallsOf(const MeshFrame& frame);
