@@ -226,6 +226,7 @@ class Job {
     VOLUTE_ASSIGN(first_, field_.read(static_cast<std::size_t>(chosen_[0])));
     VOLUTE_ASSIGN(survey_.signs, placeSigns(*first_, request_.signs, survey_.bounds, log_));
     VOLUTE_TRY(watch_.begin(survey_, *first_, log_));
+    remarkOnBeyond();
     findEnd();
     if (team_.leads())
       VOLUTE_TRY(pictures_.begin(survey_, *first_));
@@ -233,6 +234,26 @@ class Job {
       VOLUTE_TRY(lookout_.workOutTogether(*first_, survey_.signs,
                                           watch_.eyes(survey_.times.front()), team_));
     return {};
+  }
+
+  /// On ends of sight lines beyond all smoke, where the field says that the air is clear.
+  void remarkOnBeyond() {
+    if (!team_.leads() || !field_.clearBeyond())
+      return;
+    const Box3& box = survey_.bounds;
+    const auto isBeyond = [&](const Vec3& point) { return !box.contains(point); };
+    const std::vector<Vec3> eyes = watch_.eyes(survey_.times.front());
+    const auto eyesBeyond = std::ranges::count_if(eyes, isBeyond);
+    const auto signsBeyond = std::ranges::count_if(survey_.signs, isBeyond, &SightTarget::target);
+    if (eyesBeyond + signsBeyond == 0)
+      return;
+    log_.remark(
+        {RemarkCode::kAssumed,
+         fmt::format("{} of {} eyes and {} of {} signs are beyond the bounds of the smoke, "
+                     "{:.4g} .. {:.4g}, {:.4g} .. {:.4g}, {:.4g} .. {:.4g} m: the air there "
+                     "counts as clear",
+                     eyesBeyond, eyes.size(), signsBeyond, survey_.signs.size(), box.min[0],
+                     box.max[0], box.min[1], box.max[1], box.min[2], box.max[2])});
   }
 
   /// Until when the case goes on, if that is more than a stored time beyond the smoke.
