@@ -341,7 +341,7 @@ void SmokeMedium::tellOverlap(const Stored& stored) {
   progress_->remark(
       Remark(
           RemarkCode::kDoubtful,
-          fmt::format("{}: step {}: {:.2g} % of the volume of its cells lie in other cells too, as "
+          fmt::format("{}: step {}: {:.3g} % of the volume of its cells lie in other cells too, as "
                       "at ({:.4g}, {:.4g}, {:.4g}) m; pictures may count the smoke of both there, "
                       "sight lines that of one; write each place once, or mark the cells that are "
                       "copies (vtkGhostType)",

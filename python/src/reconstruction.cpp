@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+// SPDX-FileCopyrightText: The Volute authors
+
+// Volumes from pictures and from measured lines.
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "scene_bridge.hpp"
+#include "volute/capture/geometry_check.hpp"
+#include "volute/capture/open_capture.hpp"
+#include "volute/codec/compress.hpp"
+#include "volute/tomography/capture_refinement.hpp"
+#include "volute/tomography/line_volumes.hpp"
+#include "volute/tomography/reconstructed_frames.hpp"
+#include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/soot_frames.hpp"
+#include "volute/volume_files/volume_writer.hpp"
+
+namespace volute::python {
+namespace {
+
+ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& capture,
+                                  std::uint64_t maxMemory) {
+  ReconstructionSettings settings;
+  TomographyOptions& options = settings.tomography;
+  const auto take = [&](const char* key, auto& to) {
+    if (said.contains(key))
+      to = said[key].get<std::decay_t<decltype(to)>>();
+  };
+  const auto takeOptional = [&]<class T>(const char* key, std::optional<T>& to) {
+    if (said.contains(key))
+      to = said[key].get<T>();
+  };
+  options.basis = said.value("basis", "trilinear") == "box" ? Basis::kBox : Basis::kTrilinear;
+  options.solver = *tomographySolverByName(said.value("solver", "apg"));
+  options.regularization = *regularizationByName(said.value("regularization", "auto"));
+  takeOptional("lambda", options.lambda);
+  takeOptional("sparsity", options.sparsity);
+  takeOptional("iterations", options.iterations);
+  takeOptional("noise_sigma", options.noiseSigma);
+  take("rays_per_pixel", options.raysPerPixel);
+  take("hull", options.hull);
+  take("coarse_to_fine", options.coarseToFine);
+  take("warm_start", settings.warmStart);
+  take("force", settings.force);
+  take("error_bars", settings.errorBars);
+  take("temperature", settings.flame);
+  if (!options.noiseSigma)
+    options.noiseSigma = capture.noiseSigma;
+  options.maxMemory = maxMemory;
+  return settings;
+}
+
+CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) {
+  CaptureOptions options;
+  options.maxMemory = maxMemory;
+  if (said.contains("images"))
+    options.images = said["images"].get<std::string>();
+  if (said.contains("bounds")) {
+    const auto b = said["bounds"].get<std::array<std::array<double, 3>, 2>>();
+    options.bounds = Box3{Vec3(b[0][0], b[0][1], b[0][2]), Vec3(b[1][0], b[1][1], b[1][2])};
+  }
+  if (said.contains("resolution"))
+    options.resolution = said["resolution"].get<std::array<int, 3>>();
+  if (said.contains("frames")) {
+    const auto range = said["frames"].get<std::array<int, 2>>();
+    options.frames = {range[0], range[1]};
+  }
+  return options;
+}
+
+Status checkGeometryOf(const Capture& capture, bool force, Progress& progress) {
+  for (const GeometryFault& fault : checkGeometry(capture)) {
+    if (!force)
+      return fail(ErrorCode::kInvalidData, "{}: {} (force=True goes on)", capture.file.string(),
+                  fault.message);
+    progress.remark("warning: " + fault.message);
+  }
+  return {};
+}
+
+/// Values of shape (t, z, y, x, c) where `output` is empty; else a .volute file is written.
+py::tuple reconstructCapture(const std::string& path, const std::string& output, double rms,
+                             const std::string& optionsJson, std::uint64_t maxMemory,
+                             const py::object& listener) {
+  using namespace py::literals;
+  const OrderedJson said = jsonOf(optionsJson);
+  std::vector<float> values, sigma;
+  VolumeInfo info;
+  OrderedJson report;
+  run(listener, [&](Progress& progress) -> Status {
+    VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
+    for (const auto& remark : given.remarks) progress.remark(remark);
+    const auto heldOut = said.value("hold_out", std::vector<std::string>{});
+    const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
+    VOLUTE_TRY(checkVolumeSize({given.volume.bounds, given.volume.resolution}, maxMemory));
+    if (settings.flame && (!given.spectrum.stated() || given.measured != Measured::kEmission))
+      return fail(ErrorCode::kInvalidArgument,
+                  "temperature: {} states no \"spectrum\" of light that the medium sends itself",
+                  given.file.string());
+    VOLUTE_TRY(checkGeometryOf(given, settings.force, progress));
+    const bool refine = said.value("refine", true);
+    VOLUTE_ASSIGN(const CaptureRefinement refinement,
+                  refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,
+                                progress));
+    const Capture& capture = refinement.capture;
+    VOLUTE_ASSIGN(const auto frames,
+                  ReconstructedFrames::open(capture, settings, heldOut,
+                                            output.empty() ? "-" : output, progress));
+    const Status done = [&]() -> Status {
+      VOLUTE_TRY(frames->solveAll());
+      VOLUTE_ASSIGN(report, reconstructionReport(refinement, settings, *frames));
+      info = frames->info();
+      if (!output.empty()) {
+        std::vector<WrittenGrid> grids{{frames.get(), rms}};
+        if (settings.errorBars)
+          grids.push_back({&frames->errorBars(), std::max(rms, 5e-3)});
+        std::optional<SootFrames> soot;
+        if (settings.flame) {
+          soot.emplace(*frames, capture.spectrum);
+          for (FrameSource* grid : soot->grids()) grids.push_back({grid, rms});
+          VOLUTE_ASSIGN(report["soot"], soot->json());
+        }
+        Reading reading{progress, maxMemory};
+        Team alone;
+        Report written;
+        VOLUTE_ASSIGN(auto writer, VolumeWriter::open(std::move(grids), output,
+                                                      fmt::format("reconstructed from {}",
+                                                                  capture.file.filename().string()),
+                                                      reading, alone));
+        return writer.write(written);
+      }
+      if (info.rawBytes() * (settings.errorBars ? 2 : 1) > maxMemory) {
+        return fail(
+            ErrorCode::kTooLarge,
+            "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
+            (info.rawBytes() >> 20) + 1, maxMemory >> 20);
+      }
+      values.resize(info.values());
+      sigma.resize(settings.errorBars ? values.size() : 0);
+      for (int i = 0; i < info.frames; ++i) {
+        const auto begin = i * info.frameValues();
+        VOLUTE_TRY(frames->readFrame(i, std::span(values).subspan(begin, info.frameValues())));
+        if (settings.errorBars)
+          VOLUTE_TRY(frames->errorBars().readFrame(
+              i, std::span(sigma).subspan(begin, info.frameValues())));
+      }
+      return {};
+    }();
+    frames->work().leave(done.has_value());  // what was finished serves when the call is made again
+    return done;
+  });
+  py::object array = py::none(), bars = py::none();
+  if (output.empty()) {
+    if (!sigma.empty())
+      bars = owned(std::move(sigma), {info.frames, info.z, info.y, info.x, info.channels});
+    array = owned(std::move(values), {info.frames, info.z, info.y, info.x, info.channels});
+  }
+  const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
+                       "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
+                       "frame_numbers"_a = info.frameNumbers,
+                       "basis"_a = std::string(basisName(info.basis)));
+  return py::make_tuple(array, place, report.dump(), bars);
+}
+
+/// (ends (n, 6), values (n,), sigmas (n,), frame of each (n,)) of measured lines, and times of
+/// frames.
+LineFile linesOf(const py::tuple& said) {
+  using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+  const auto ends = said[0].cast<Doubles>(), values = said[1].cast<Doubles>();
+  const auto sigmas = said[2].cast<std::optional<Doubles>>();
+  const auto frames = said[3].cast<std::vector<int>>();
+  const auto times = said[4].cast<std::vector<double>>();
+  LineFile lines;
+  lines.opticalDepths = lines.hasTimes = true;
+  lines.hasSigma = sigmas.has_value();
+  for (std::size_t i = 0; i < times.size(); ++i)
+    lines.frames.push_back({static_cast<int>(i), times[i], {}});
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const double* end = ends.data() + 6 * i;
+    const Vec3 from(end[0], end[1], end[2]), to(end[3], end[4], end[5]);
+    const double length = (to - from).norm();
+    lines.frames[static_cast<std::size_t>(frames[i])].lines.push_back(
+        {{from, (to - from) / length, 0, length},
+         values.data()[i],
+         sigmas ? sigmas->data()[i] : 1,
+         static_cast<int>(i) + 1});
+  }
+  return lines;
+}
+
+/// Of a .csv, or of what linesOf() takes: (values (t, z, y, x), where they are, report).
+py::tuple reconstructFromLines(const py::object& source, const std::string& options,
+                               std::uint64_t maxMemory, const py::object& listener) {
+  const auto said = jsonOf(options);
+  const CaptureOptions where = captureOptions(said, maxMemory);
+  LineOptions how;
+  if (said.value("basis", "box") == "trilinear")
+    how.basis = Basis::kTrilinear;
+  if (said.contains("lambda"))
+    how.lambda = said["lambda"].get<double>();
+  if (said.contains("iterations"))
+    how.iterations = said["iterations"].get<int>();
+  const bool leaveOut = said.value("force", false);
+  const bool isFile = py::isinstance<py::bytes>(source);
+  const auto file = isFile ? source.cast<std::string>() : std::string("lines");
+  LineFile lines = isFile ? LineFile() : linesOf(source.cast<py::tuple>());
+  LineVolumes found = run(listener, [&](Progress& progress) {
+    return isFile ? reconstructLineFile(file, where, how, leaveOut, progress)
+                  : reconstructLineFrames(std::move(lines), file, where, how, leaveOut, progress);
+  });
+  using namespace py::literals;
+  const VolumeInfo& info = found.volumes.info;
+  const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
+                       "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
+                       "frame_numbers"_a = info.frameNumbers,
+                       "basis"_a = std::string(basisName(info.basis)));
+  return py::make_tuple(
+      owned(std::move(found.volumes.values), {info.frames, info.z, info.y, info.x}), place,
+      found.records.dump());
+}
+
+}  // namespace
+
+void addReconstruction(py::module_& m) {
+  using namespace py::literals;
+  m.def("reconstruct", &reconstructCapture, "path"_a, "output"_a, "rms"_a, "options"_a,
+        "max_memory"_a, "listener"_a);
+  m.def("reconstruct_lines", &reconstructFromLines, "source"_a, "options"_a, "max_memory"_a,
+        "listener"_a);
+}
+
+}  // namespace volute::python
