@@ -306,12 +306,13 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
     png_set_gAMA(png, info, 1.0);
   if (!texts.empty())
     png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
-  // Of 51 pictures the usual filters and level took twice as long, for 4 % fewer bytes. In drawings
-  // each choice of a filter for its row costs bytes.
+  // Of 51 pictures the usual filters and level took twice as long, for 4 % fewer bytes, and level 5
+  // takes twice as long as 4 for 5 % fewer. In drawings each choice of a filter for its row costs
+  // bytes.
   const bool flat = isFlat(state);
   png_set_filter(png, PNG_FILTER_TYPE_BASE,
                  flat ? PNG_FILTER_NONE : PNG_FILTER_SUB | PNG_FILTER_UP);
-  png_set_compression_level(png, flat ? 3 : 5);
+  png_set_compression_level(png, flat ? 3 : 4);
   png_write_info(png, info);
   png_set_swap(png);  // 16 bits in our byte order
   png_write_image(png, state.rows.data());
