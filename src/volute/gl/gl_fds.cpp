@@ -148,7 +148,7 @@ class FdsOnDevice final : public GlMedium {
   GlNeeds needs() const override {
     GlNeeds needs = lamps_.needs();
     needs.storage += 1;
-    needs.cells = maxCells(data_->field);
+    needs.cells += maxCells(data_->field);
     needs.roundsPerCell += kFdsRoundsPerCell;
     return needs;
   }

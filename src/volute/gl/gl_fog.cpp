@@ -75,7 +75,7 @@ class FogOnDevice final : public GlMedium {
     const GlNeeds lamps = lamps_.needs();
     return {.textures = 1 + (top_ ? 1 : 0) + lamps.textures,
             .storage = lamps.storage,
-            .cells = walk.cells,
+            .cells = walk.cells + lamps.cells,
             .roundsPerCell = walk.roundsPerCell + lamps.roundsPerCell};
   }
 

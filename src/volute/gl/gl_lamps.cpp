@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxFieldBytes = 256u << 20;
 constexpr double kRoundsPerLamp = 11;
+constexpr double kCutsPerLamp = 2;  ///< of a ray through many cones, measured
 
 /// A line, with a lamp's number for @.
 std::string forLamp(std::size_t lamp, std::string_view line) {
@@ -169,6 +170,7 @@ GlNeeds GlLamps::needs() const {
   const auto mapped = std::ranges::count_if(all_->lamps, &One::mapped);
   return {.textures = static_cast<int>(mapped),
           .storage = (shade_ ? 2 : 0) + (all_->hasBricks() ? 1 : 0) + (all_->isAgain() ? 1 : 0),
+          .cells = kCutsPerLamp * static_cast<double>(all_->lamps.size()),
           .roundsPerCell = kRoundsPerLamp * static_cast<double>(all_->lamps.size())};
 }
 

@@ -232,6 +232,11 @@ Result<Image> GlRenderer::render(const Camera& camera, const GlScene& scene,
                 "the graphics device failed with error 0x{:x}", error);
   for (std::size_t i = 0; i < pixels; ++i) {
     const float* texel = &texels[4 * i];
+    if (std::isnan(texel[3])) {
+      return fail(ErrorCode::kTooLarge, Hint::set("renderer", "cpu"),
+                  "the software rasteriser '{}' ends rays before they are through these media",
+                  state_->resources.device.renderer);
+    }
     if (!colors) {
       image.pixels[i] = options.aov == Aov::kTransmittance ? std::exp(-texel[3]) : texel[3];
       continue;

@@ -111,19 +111,22 @@ std::string mainFunction(std::size_t media) {
   }
 )" + forEach(media, "  @begin();") +
          R"(  float s = rayFrom;
+  bool whole = false;  // else the device ended a loop before its time
   for (int step = 0; step < 1000000; ++step) {
     float to = FARTHEST;
     bool any = false;
 )" + forEach(media, "    to = min(to, @end); any = any || @on;") +
-         R"(    if (to >= FARTHEST) break;
+         R"(    whole = to >= FARTHEST;
+    if (whole) break;
     if (any && to > s) march(s, to);
 #if !MEASURE
-    if (depth > DARK) break;
+    whole = depth > DARK;
+    if (whole) break;
 #endif
     s = max(s, to);
 )" + forEach(media, "    while (@end <= s) @next();") +
          R"(  }
-  imageStore(picture, pixel, vec4(light, depth));
+  imageStore(picture, pixel, vec4(light, whole ? depth : uintBitsToFloat(0x7fc00000u)));
 }
 )";
 }
