@@ -75,6 +75,80 @@ double growthOf(std::span<const Segment> steps, std::span<const double> depths, 
   return std::clamp(growth / depths[k], -2.0, 2.0);
 }
 
+/// Whether what a step swallows lies so unevenly in it that its place shows: how much depths change
+/// around it, times how deep it is there, of the light that passes what is before.
+bool isUneven(std::span<const Segment> steps, std::span<const double> depths, std::size_t k,
+              double passed) {
+  constexpr double kShows = 1e-3;
+  const double own = depths[k], length = steps[k].end - steps[k].begin;
+  if (!(own * passed > kShows) || !std::isfinite(length))
+    return false;
+  const auto there = [&](std::size_t i) {
+    return depths[i] / (steps[i].end - steps[i].begin) * length;
+  };
+  const double before = k > 0 ? there(k - 1) : 0, after = k + 1 < steps.size() ? there(k + 1) : 0;
+  const double changes = std::abs(own - before) + std::abs(after - own);
+  return changes * std::max({before, own, after}) * passed > kShows;
+}
+
+/// The steps of several rays, and what a medium does in each.
+struct Steps {
+  std::vector<std::size_t> begins;  ///< of each ray's, and behind the last one's
+  std::vector<Segment> steps;
+  std::vector<Radiance> parts;
+  std::vector<double> depths;
+
+  void add(const Segment& step, const Radiance& part) {
+    steps.push_back(step), parts.push_back(part);
+    depths.push_back(-std::log(std::max(part.transmittance, 1e-300)));
+  }
+
+  template <class T>
+  std::span<const T> of(const std::vector<T>& all, std::size_t ray) const {
+    return std::span(all).subspan(begins[ray], begins[ray + 1] - begins[ray]);
+  }
+};
+
+/// With uneven steps cut.
+Steps withoutUneven(const AnyMedium& medium, Steps from) {
+  constexpr int kCuts = 4;
+  std::vector<Segment> cut;
+  std::vector<bool> isCut(from.steps.size(), false);
+  for (std::size_t ray = 0; ray + 1 < from.begins.size(); ++ray) {
+    const auto steps = from.of(from.steps, ray);
+    const auto depths = from.of(from.depths, ray);
+    double passed = 1;
+    for (std::size_t k = 0; k < steps.size() && passed > kStepLost; ++k) {
+      if (isUneven(steps, depths, k, passed)) {
+        isCut[from.begins[ray] + k] = true;
+        const double length = (steps[k].end - steps[k].begin) / kCuts;
+        for (int i = 0; i < kCuts; ++i) {
+          Segment& part = cut.emplace_back(steps[k]);
+          part.begin = steps[k].begin + i * length;
+          part.end = i + 1 < kCuts ? part.begin + length : steps[k].end;
+        }
+      }
+      passed *= from.parts[from.begins[ray] + k].transmittance;
+    }
+  }
+  if (cut.empty())
+    return from;
+  std::vector<Radiance> parts(cut.size());
+  medium.radiance(cut, parts);
+  Steps out;
+  std::size_t next = 0;
+  for (std::size_t ray = 0; ray + 1 < from.begins.size(); ++ray) {
+    out.begins.push_back(out.steps.size());
+    for (std::size_t k = from.begins[ray]; k < from.begins[ray + 1]; ++k) {
+      if (!isCut[k])
+        out.add(from.steps[k], from.parts[k]);
+      for (int i = 0; i < kCuts && isCut[k]; ++i, ++next) out.add(cut[next], parts[next]);
+    }
+  }
+  out.begins.push_back(out.steps.size());
+  return out;
+}
+
 /// curve * (a + b s + c s^2).
 Polynomial timesParabola(const Polynomial& curve, double a, double b, double c) {
   Polynomial out = curve.timesLine(a, b);
@@ -360,7 +434,6 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
   std::vector<Segment> steps;
   std::vector<std::size_t> begins;
   std::vector<Radiance> parts;
-  std::vector<double> depths;
   std::vector<SunPlaces> suns(fields_.size());
   for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
     const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
@@ -400,16 +473,15 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
     begins.push_back(steps.size());
     parts.resize(steps.size());
     medium_.radiance(steps, parts);
-    depths.clear();
-    for (const Radiance& part : parts)
-      depths.push_back(-std::log(std::max(part.transmittance, 1e-300)));
+    Steps even{begins, {}, {}, {}};
+    for (std::size_t k = 0; k < steps.size(); ++k) even.add(steps[k], parts[k]);
+    even = withoutUneven(medium_, std::move(even));
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t own = begins[i], size = begins[i + 1] - own;
-      const auto itsSteps = std::span(steps).subspan(own, size);
-      const auto itsDepths = std::span(depths).subspan(own, size);
+      const auto itsSteps = even.of(even.steps, i);
+      const auto itsDepths = even.of(even.depths, i);
       Radiance sum;
-      for (std::size_t k = 0; k < size; ++k)
-        add(rays[i], itsSteps, parts[own + k], itsDepths, k, suns, sum);
+      for (std::size_t k = 0; k < itsSteps.size(); ++k)
+        add(rays[i], itsSteps, even.parts[even.begins[i] + k], itsDepths, k, suns, sum);
       addSuns(rays[i], suns, sum);
       out[first + i] = sum;
     }

@@ -35,8 +35,9 @@ struct QuickFog {
 }  // namespace
 
 Box3 litBox(const FogMedium& fog) {
-  constexpr double kScaleHeights = 12;  // 6e-6 of an exponential is above
-  constexpr double kTall = 2;           // of its width: fog without an end
+  constexpr double kScaleHeights = 12;        // 6e-6 of an exponential is above
+  constexpr double kTall = 2, kTallest = 64;  // of its width: fog without an end
+  constexpr double kOpaque = 10;              // its optical depth, as far as that is near enough
   Box3 box = fog.bounds();
   const double origin = fog.domainCorner().z();
   double top = -FogProfile::kFarthest;
@@ -46,7 +47,10 @@ Box3 litBox(const FogMedium& fog) {
                            : zone.top;
     top = std::max(top, std::min(end, zone.top));
   }
-  const double tall = kTall * box.size().head<2>().maxCoeff();
+  const double wide = box.size().head<2>().maxCoeff();
+  const auto values = fog.levels().values();
+  const double densest = values.empty() ? 0 : *std::ranges::max_element(values);
+  const double tall = std::clamp(kOpaque / std::max(densest, 1e-30), kTall * wide, kTallest * wide);
   box.max.z() = std::min(box.max.z(), origin + std::min(top, tall));
   box.min.z() = std::max(box.min.z(), std::min(origin, box.max.z()) - tall);
   return box;

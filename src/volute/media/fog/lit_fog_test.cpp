@@ -73,6 +73,24 @@ TEST(LitFog, HomogeneousSlabLookingDown) {
   EXPECT_NEAR(radiance.transmittance, std::exp(-1.5), 1e-6);
 }
 
+/// Without a profile fog has no end: all that a ray meets of it is lit from the side, evenly.
+TEST(LitFog, EndlessFogIsLitAsFarAsItIsSeen) {
+  SplineGrid even(40, 40);
+  std::ranges::fill(even.c, 0.02);
+  const FogMedium fog =
+      *FogMedium::make(*FogMap::fromCoefficients(even, {}), FogProfile(), {.color = Rgb::Zero()});
+  const Vec3 eye(20, 20, 9), toSun = Vec3(1, 0, 1).normalized();
+  const Lamp sun = lampOf({toSun, Rgb::Ones()});
+  const LitMedium lit = litFog(fog, {&sun, 1}, {{Rgb::Ones()}});
+  const Segment down{eye, -Vec3::UnitZ(), 0, 1e6}, way{eye, toSun, 0, 1e6};
+  double depth = 0;
+  fog.opticalDepth({&way, 1}, {&depth, 1});
+  Radiance radiance;
+  lit.radiance({&down, 1}, {&radiance, 1});
+  const double expected = std::exp(-depth) / (4 * std::numbers::pi);
+  EXPECT_NEAR(radiance.emitted[0], expected, 2e-3 * expected);
+}
+
 TEST_P(SunProfiles, FastPathAgreesWithPieces) {
   for (int degree = 1; degree <= 3; ++degree) {
     const FogMedium fog = smoothFog(profile(), {.degree = degree, .color = Rgb::Zero()});
@@ -87,6 +105,26 @@ TEST_P(SunProfiles, FastPathAgreesWithPieces) {
     for (std::size_t i = 0; i < segments.size(); ++i)
       EXPECT_NEAR(fast[i].emitted[0], reference[i].emitted[0], 2e-3 * brightest);
   }
+}
+
+/// Where a cell alone swallows half of the light, and begins at once.
+TEST(LitFog, FastPathAgreesWithPiecesWhereFogIsDense) {
+  SplineGrid block(16, 16);
+  for (int j = 4; j < 12; ++j)
+    for (int i = 4; i < 12; ++i) block.at(i, j) = 1;
+  const FogProfile::Layer layers[] = {{0, 3, 0.5}, {2, 6, 0.75}};
+  const FogMedium fog = fogtest::fog(block, *FogProfile::layers(layers),
+                                     {.degree = 1, .color = Rgb::Zero()}, 0.75, 1);
+  const Lamp sun = lampOf({Vec3(-0.22, -0.43, 0.77), Rgb::Ones()});
+  const LitMedium lit = litFog(fog, {&sun, 1}, {});
+  const auto segments = fogtest::rays(fog, 400);
+  std::vector<Radiance> fast(segments.size()), reference(segments.size());
+  lit.radiance(segments, fast);
+  radianceByPieces(lit, segments, reference);
+  double brightest = 0;
+  for (const Radiance& light : reference) brightest = std::max(brightest, light.emitted[0]);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    EXPECT_NEAR(fast[i].emitted[0], reference[i].emitted[0], 2.5e-3 * brightest);
 }
 
 TEST(LitFog, PhaseIsAFactor) {
