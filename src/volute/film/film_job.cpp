@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -91,6 +92,19 @@ Status cpuMayDraw(const char* what) {
 }
 
 namespace {
+
+/// Around all media, however far they reach and wherever the wind takes them.
+Box3 reachOf(const Scene& scene) {
+  Box3 reach;
+  for (const auto& medium : scene.media()) {
+    if (medium->info().moves)
+      reach = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
+               Vec3::Constant(std::numeric_limits<double>::infinity())};
+    else if (!medium->info().bounds.empty())
+      reach.extend(medium->info().bounds);
+  }
+  return reach;
+}
 
 /// Each pixel of the larger picture is the one of the smaller that it lies in.
 Image enlarged(const Image& small, int width, int height) {
@@ -279,7 +293,7 @@ Result<std::vector<ImageChannel>> FilmJob::layersAt(const FilmFrame& frame, Prog
   std::vector<ImageChannel> channels;
   const auto drawn = [&](Aov aov) {
     options.aov = aov;
-    options.within = scene.bounds();
+    options.within = reachOf(scene);
     auto image = picture(frame, progress);
     options = before;
     return image;

@@ -209,7 +209,9 @@ Result<Image> SceneRenderer::picture(View view, const RenderOptions& options, Pr
 
 Result<Image> SceneRenderer::distances(View view, const RenderOptions& options, Progress& progress,
                                        PictureCounts& counted) {
-  constexpr int kHalvings = 24;
+  constexpr int kHalvings = 24, kUnbounded = 20;  // the latter more for 2^20 m
+  constexpr double kFarthest = 1 << kUnbounded;   // [m] of a medium without an end
+  int halvings = kHalvings;
   const Camera& camera = view.camera;
   const std::size_t pixels = static_cast<std::size_t>(camera.width()) * camera.height();
   const double half = std::log(2.0) / view.snapshot.law.factor();
@@ -222,8 +224,13 @@ Result<Image> SceneRenderer::distances(View view, const RenderOptions& options, 
     axis[p] = ray.direction.dot(camera.forward());
     const Interval inside = options.within.intersect(ray.origin, ray.direction)
                                 .intersect({ray.begin, std::min<double>(ray.end, surface[p])});
-    if (!inside.empty())
-      near[p] = inside.begin, far[p] = inside.end;
+    if (inside.empty())
+      continue;
+    near[p] = inside.begin, far[p] = inside.end;
+    if (!std::isfinite(far[p])) {
+      far[p] = near[p] + kFarthest;
+      halvings = kHalvings + kUnbounded;
+    }
   }
   RenderOptions depths = options;
   depths.aov = Aov::kOpticalDepth;
@@ -234,7 +241,7 @@ Result<Image> SceneRenderer::distances(View view, const RenderOptions& options, 
     return opticalDepth(view, depths, progress, counted.render);
   };
   VOLUTE_ASSIGN(const auto whole, depthUpTo([&](std::size_t p) { return far[p]; }));
-  for (int i = 0; i < kHalvings; ++i) {
+  for (int i = 0; i < halvings; ++i) {
     VOLUTE_ASSIGN(const auto depth,
                   depthUpTo([&](std::size_t p) { return 0.5 * (near[p] + far[p]); }));
     for (std::size_t p = 0; p < pixels; ++p)
