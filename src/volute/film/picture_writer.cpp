@@ -3,6 +3,7 @@
 #include "volute/film/picture_writer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "volute/image/legend.hpp"
@@ -80,9 +81,10 @@ class ImageFileWriter final : public PictureWriter {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
     if (extensionOf(target_) == ".exr") {
-      return development_.half
-                 ? writeHalfChannels(path, image.width, image.height, channelsOf(image), text.notes)
-                 : writeImage(path, image, text.notes);
+      if (!development_.half)
+        return writeImage(path, image, text.notes);
+      countHalves(image.pixels);
+      return writeHalfChannels(path, image.width, image.height, channelsOf(image), text.notes);
     }
     return writeImage(path, visible(image, development_, text), text.notes);
   }
@@ -92,6 +94,10 @@ class ImageFileWriter final : public PictureWriter {
     const auto path =
         pattern_ ? pattern_->format(frameNumber, scale_) : std::filesystem::path(target_);
     if (extensionOf(target_) == ".exr") {
+      for (const ImageChannel& channel : channels) {
+        if (development_.half && std::string_view("RGBA").find(channel.name) != std::string::npos)
+          countHalves(channel.values);
+      }
       return (development_.half ? writeHalfChannels : writeChannels)(path, width, height, channels,
                                                                      text.notes);
     }
@@ -104,6 +110,7 @@ class ImageFileWriter final : public PictureWriter {
     if (extensionOf(target_) == ".exr") {
       if (!development_.half)
         return volute::writeFrame(path, frame);
+      countHalves(frame.color.pixels);
       FramePixels rounded = frame;
       rounded.half = true;
       return volute::writeFrame(path, rounded);
@@ -185,6 +192,36 @@ class FilmPictures final : public PictureWriter {
 };
 
 }  // namespace
+
+void PictureWriter::countHalves(std::span<const float> values) {
+  constexpr float kLargest = 65504, kVanishes = 0x1p-25F;  // half of the smallest half float
+  for (const float value : values) {
+    const float size = std::abs(value);
+    if (!std::isfinite(value))
+      continue;
+    largest_ = std::max(largest_, size);
+    cut_ += size > kLargest ? 1 : 0;
+    vanished_ += size > 0 && size <= kVanishes ? 1 : 0;
+  }
+}
+
+std::optional<Remark> PictureWriter::halvesLost(const std::string& target) const {
+  constexpr float kSmallest = 0x1p-14F;  // with all digits of a half float
+  if (cut_ > 0) {
+    return Remark(RemarkCode::kChanged,
+                  fmt::format("{}: {} values are beyond 65504, the largest half float, up to {:g}: "
+                              "they are cut off there; float32 holds them",
+                              target, cut_, largest_))
+        .in(target);
+  }
+  if (largest_ == 0 || largest_ >= kSmallest)
+    return std::nullopt;
+  return Remark(RemarkCode::kChanged,
+                fmt::format("{}: all values are at most {:g}, where half floats are 6e-8 apart: {} "
+                            "of them became 0; float32 holds them",
+                            target, largest_, vanished_))
+      .in(target);
+}
 
 bool isFilmPath(const std::string& target) {
   const std::string extension = extensionOf(target);

@@ -2,12 +2,15 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "volute/base/frame_name.hpp"
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/image/colormap.hpp"
@@ -69,14 +72,22 @@ class PictureWriter {
   /// Milliseconds that went into making linear pictures visible.
   double converted() const { return converted_; }
 
+  /// What half floats did not hold of what was written so far, about `target`.
+  std::optional<Remark> halvesLost(const std::string& target) const;
+
  protected:
   Image visible(const Image& image, const Development& development, const PictureText& text) {
     const Stopwatch watch(converted_);
     return developed(image, development, text);
   }
 
+  /// Of values that are about to be written as half floats.
+  void countHalves(std::span<const float> values);
+
  private:
   double converted_ = 0;
+  std::uint64_t cut_ = 0, vanished_ = 0;  ///< of half floats
+  float largest_ = 0;
 };
 
 /// Files .png or .exr, one a picture: a pattern with the frame's number, or a plain name for a

@@ -226,15 +226,24 @@ class FilmPass {
         },
         [&] { return isFilmPath(target_) && !staged() ? film_.finish() : Status(); }));
     VOLUTE_TRY(writing_.finish());
-    {
-      const Stopwatch watch(job_.totals.write);
-      VOLUTE_TRY(writer_ ? writer_->finish() : Status());
-    }
+    VOLUTE_TRY(finish());
     if (job_.drawnShare == 1)
       return {};
     return fail(ErrorCode::kCancelled,
                 "stopped; {} shows {:.0f} % of the picture, the rest coarsely", target_,
                 100 * job_.drawnShare);
+  }
+
+  Status finish() {
+    if (!writer_)
+      return {};
+    {
+      const Stopwatch watch(job_.totals.write);
+      VOLUTE_TRY(writer_->finish());
+    }
+    if (const auto lost = writer_->halvesLost(target_))
+      progress_.remark(*lost);
+    return {};
   }
 
   /// Pictures of one process go through stages at once: one is read and decoded, another drawn, and
@@ -289,8 +298,7 @@ class FilmPass {
       VOLUTE_TRY(team_.agree(image ? Status() : tl::unexpected<Error>(image.error())));
       VOLUTE_TRY(team_.agree(writer_ ? write(i, *image) : Status()));
     }
-    const Stopwatch watch(job_.totals.write);
-    return writer_ ? writer_->finish() : Status();
+    return finish();
   }
 
   Result<Image> drawOne(std::int64_t i) {
