@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "volute/film/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
@@ -28,18 +29,20 @@ Result<std::vector<FilmFrame>> fitting(std::vector<FilmFrame> frames, const std:
               frames.size(), target);
 }
 
-/// Without stored frames that count: frame n is at n / rate, as many as the longest medium has.
+/// Without stored frames that count: frame n is at n * speed / rate, as many as the longest medium
+/// or the camera's path has.
 Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const Scene& scene) {
   if (!request.frames && !takesSeveral(request.target))
     return std::vector{FilmFrame{}};
-  double last = 0;
+  double last = std::max(request.pathEnd.value_or(0), 0.0);
   for (const auto& medium : scene.media()) last = std::max(last, medium->info().times.back());
+  const double rate = request.rate / request.speed;  // a second of the scene
   const FrameRange range = request.frames.value_or(FrameRange{});
   const auto begin = static_cast<int>(std::ceil(range.begin.value_or(0)));
   const auto end =
-      static_cast<int>(std::ceil(range.end.value_or(std::round(last * request.rate) + 1)));
+      static_cast<int>(std::ceil(range.end.value_or(std::min(std::round(last * rate) + 1, 1e6))));
   std::vector<FilmFrame> frames;
-  for (int n = begin; n < end; n += range.step) frames.push_back({n, n / request.rate});
+  for (int n = begin; n < end; n += range.step) frames.push_back({n, n / rate});
   if (frames.empty())
     return failFor("frames", ErrorCode::kInvalidArgument, "there is no frame from {} to {}", begin,
                    end);
@@ -108,30 +111,89 @@ std::vector<FilmFrame> heldInGaps(std::vector<FilmFrame> frames) {
   return held;
 }
 
-ChosenFrames plainly(std::vector<FilmFrame> frames) {
-  return {std::move(frames)};
+/// Media with times of their own.
+std::vector<const SceneMedium*> countedIn(const Scene& scene) {
+  std::vector<const SceneMedium*> media;
+  for (std::size_t i = 0; i < scene.media().size(); ++i) {
+    if (!scene.media()[i]->info().endless && scene.description().media[i].kind->list() == "media")
+      media.push_back(scene.media()[i].get());
+  }
+  return media;
 }
 
-/// So many a second, from 0 s.
-std::vector<FilmFrame> framesUntil(double last, double rate) {
-  std::vector<FilmFrame> frames;
-  const int count = static_cast<int>(std::min(std::floor(std::max(last, 0.0) * rate), 1e6)) + 1;
-  for (int n = 0; n < count; ++n) frames.push_back({n, n / rate});
-  return frames;
+/// What the leader's frames leave out of the others', and of the camera's path.
+void tellOfOthers(const Scene& scene, const SceneMedium& leader, const FrameRequest& request,
+                  Progress& progress) {
+  constexpr double kRounding = 1e-6;  // [s]
+  const MediumInfo& info = leader.info();
+  const double end = info.times.back() + kRounding;
+  for (const SceneMedium* medium : countedIn(scene)) {
+    const MediumInfo& other = medium->info();
+    if (medium == &leader || other.times.size() < 2)
+      continue;
+    const auto missed = [&](double time) {
+      const auto next = std::ranges::lower_bound(info.times, time - kRounding);
+      return next == info.times.end() || *next > time + kRounding;
+    };
+    const auto count = other.interpolates ? 0 : std::ranges::count_if(other.times, missed);
+    const bool goesOn = !other.loops && other.times.back() > end;
+    if (count == 0 && !goesOn)
+      continue;
+    progress.remark(Remark{
+        RemarkCode::kLeftOut,
+        fmt::format(
+            "the frames are those of {}, from {:g} to {:g} s{}{}", info.file, info.times.front(),
+            info.times.back(),
+            count > 0 ? fmt::format("; {} of the {} frames of {} are at other times", count,
+                                    other.times.size(), other.file)
+                      : "",
+            goesOn ? fmt::format("; {} goes on until {:g} s", other.file, other.times.back()) : "")}
+                        .in(other.file));
+  }
+  if (request.pathEnd && *request.pathEnd > end) {
+    progress.remark({RemarkCode::kLeftOut,
+                     fmt::format("the camera's path goes on until {:g} s; the frames of {} end at "
+                                 "{:g} s",
+                                 *request.pathEnd, info.file, info.times.back())});
+  }
+}
+
+/// Pictures of a film are shown equally long.
+void tellOfUnevenTimes(const std::vector<FilmFrame>& frames, const MediumInfo& info, double speed,
+                       Progress& progress) {
+  constexpr double kUneven = 0.05;  // of the mean interval
+  if (frames.size() < 3)
+    return;
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const double interval = frames[i].time - frames[i - 1].time;
+    shortest = std::min(shortest, interval), longest = std::max(longest, interval);
+  }
+  const double mean =
+      (frames.back().time - frames.front().time) / static_cast<double>(frames.size() - 1);
+  if (longest - shortest <= kUneven * mean)
+    return;
+  progress.remark(Remark{RemarkCode::kChanged,
+                         fmt::format("{}: its frames are {:g} to {:g} s apart; the film shows each "
+                                     "of them for {:.3g} s",
+                                     info.file, shortest, longest, mean / speed)}
+                      .in(info.file));
+}
+
+ChosenFrames plainly(std::vector<FilmFrame> frames) {
+  return {std::move(frames)};
 }
 
 }  // namespace
 
 const SceneMedium* leaderOf(const Scene& scene) {
+  const auto rank = [](const MediumInfo& info) {
+    return std::tuple(info.times.size() > 1, !info.interpolates, info.times.back());
+  };
   const SceneMedium* leader = nullptr;
-  for (std::size_t i = 0; i < scene.media().size(); ++i) {
-    const SceneMedium& medium = *scene.media()[i];
-    if (medium.info().endless || scene.description().media[i].kind->list() != "media")
-      continue;
-    if (!medium.info().interpolates)
-      return &medium;
-    if (!leader)
-      leader = &medium;
+  for (const SceneMedium* medium : countedIn(scene)) {
+    if (!leader || rank(medium->info()) > rank(leader->info()))
+      leader = medium;
   }
   return leader;
 }
@@ -149,11 +211,9 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   if (!leader)
     return steadyFrames(request, scene).map(plainly);
   // What has one frame is shown as long as the camera moves.
-  const auto camera = scene.camera();
-  if (leader->info().times.size() < 2 && camera && !camera->keys.empty() && !request.frames &&
-      takesSeveral(target))
-    return fitting(framesUntil(camera->keys.back().time, request.rate), target).map(plainly);
   const MediumInfo& info = leader->info();
+  if (info.times.size() < 2 && request.pathEnd && !request.frames && takesSeveral(target))
+    return steadyFrames(request, scene).map(plainly);
   const bool film = isFilmPath(target);
   if (!request.frames && !takesSeveral(target)) {
     if (!showsOneFile(scene))
@@ -177,6 +237,8 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
     }
     return chosen;
   }
+  if (!request.frames)
+    tellOfOthers(scene, *leader, request, progress);
   const FrameRange range = request.frames.value_or(FrameRange{});
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
   if (film && info.interpolates && range.step > 1) {
@@ -194,8 +256,10 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
   std::vector<FilmFrame> frames;
   for (const int position : positions)
     frames.push_back({info.numbers[at(position)], info.times[at(position)]});
-  if (film)
+  if (film) {
     frames = heldInGaps(std::move(frames));
+    tellOfUnevenTimes(frames, info, request.speed, progress);
+  }
   return fitting(std::move(frames), target).map(plainly);
 }
 
@@ -230,8 +294,7 @@ double framesPerSecond(const Scene& scene, const FrameRequest& request,
       !(frames.back().time > frames.front().time))
     return request.rate;
   const double seconds = frames.back().time - frames.front().time;
-  const double speed = leader ? request.speed : 1;
-  return speed * static_cast<double>(frames.size() - 1) / seconds;
+  return request.speed * static_cast<double>(frames.size() - 1) / seconds;
 }
 
 }  // namespace volute

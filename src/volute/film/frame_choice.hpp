@@ -29,6 +29,7 @@ struct FrameRequest {
   double speed = 1;                    ///< seconds of the scene in a second of film, > 0
   std::optional<double> orbit{};       ///< [degrees], over all frames
   double rate = kUsualRate;            ///< of what has no frames of its own [1/s]
+  std::optional<double> pathEnd{};     ///< of a camera that moves [s]
 };
 
 /// The frames to draw, with their times; made by chooseFrames().
@@ -37,8 +38,9 @@ struct ChosenFrames {
   std::string reason{};           ///< why this frame, where the request left it open; may be empty
 };
 
-/// The medium whose frames are counted: the first whose frames are shown as they are, else the
-/// first with times of its own. Null: there is none.
+/// The medium whose frames are counted. Several frames go before one, frames that are shown as they
+/// are before interpolated ones, then the one whose last frame is latest leads, then the first.
+/// Null: there is none with times of its own.
 const SceneMedium* leaderOf(const Scene& scene);
 
 /// What a request chooses, or what is shown without one: all frames of a film or a pattern, `rate`
