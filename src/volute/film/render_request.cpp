@@ -76,6 +76,44 @@ Status takeTone(const std::string& name, RenderRequest& request) {
                  name);
 }
 
+namespace {
+
+/// A camera of a glTF has a shape, and the picture another.
+void tellOfShape(const CameraDescription& camera, const Camera& taken, Progress& progress) {
+  const double width = taken.width(), height = taken.height();
+  const double stated = camera.aspect.value_or(width / height);
+  if (std::abs(stated * height - width) <= std::max(1.5, 0.01 * width))
+    return;
+  progress.remark(
+      {RemarkCode::kDoubtful,
+       fmt::format("the camera's pictures are {:.3g} times as wide as high, this one is {:.3g} "
+                   "times: it shows as much from bottom to top, and {} at the sides",
+                   stated, width / height, width / height < stated ? "less" : "more")});
+}
+
+/// Fog has no end in time: its first map is there before, its last one after.
+void tellOfMapsEnds(const FilmJob& job, Progress& progress) {
+  constexpr double kSlack = 1e-6;  // [s]
+  const auto [first, last] = std::ranges::minmax(job.frames, {}, &FilmFrame::time);
+  for (const auto& medium : job.scene.media()) {
+    const MediumInfo& info = medium->info();
+    if (!info.endless || info.loops || info.times.size() < 2)
+      continue;
+    const auto tell = [&](double time, const char* which, double at) {
+      progress.remark(Remark{RemarkCode::kAssumed,
+                             fmt::format("{}: {:.6g} s is {} map, at {:.6g} s, which stays",
+                                         info.file, time, which, at)}
+                          .in(info.file));
+    };
+    if (first.time < info.times.front() - kSlack)
+      tell(first.time, "before the first", info.times.front());
+    if (last.time > info.times.back() + kSlack)
+      tell(last.time, "after the last", info.times.back());
+  }
+}
+
+}  // namespace
+
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
   options.files.byTree = use.tree;
@@ -94,10 +132,13 @@ void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions
 
 Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemory,
                Progress& progress) {
-  VOLUTE_ASSIGN(auto chosen, chooseFrames(request.frames, job.scene, progress));
+  VOLUTE_ASSIGN(auto seen, pictureCamera(job.scene, request.camera, request.size, request.up));
+  FrameRequest frames = request.frames;
+  if (seen.description && !seen.description->keys.empty())
+    frames.pathEnd = seen.description->keys.back().time;
+  VOLUTE_ASSIGN(auto chosen, chooseFrames(frames, job.scene, progress));
   job.frames = std::move(chosen.frames);
   job.reason = std::move(chosen.reason);
-  VOLUTE_ASSIGN(auto seen, pictureCamera(job.scene, request.camera, request.size, request.up));
   VOLUTE_TRY(checkPictureMemory(seen.camera, maxMemory));
   job.camera = seen.camera;
   job.options = {};
@@ -125,6 +166,9 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
                          std::tan(*fov * std::numbers::pi / 360),
                      *fov * 180 / std::numbers::pi)});
   }
+  if (seen.description)
+    tellOfShape(*seen.description, seen.camera, progress);
+  tellOfMapsEnds(job, progress);
   job.cameraPath = std::move(seen.description);
   job.measured = request.measured || request.aov != Aov::kNone;
   job.samples = job.measured || job.contour ? 1 : request.samples;
@@ -147,7 +191,9 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
     frame = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   }
   job.shutter = request.shutter * frame;
-  if (std::ranges::none_of(media, [](const auto& medium) { return medium->info().interpolates; }) &&
+  if (std::ranges::none_of(
+          media,
+          [](const auto& medium) { return medium->info().interpolates || medium->info().moves; }) &&
       !(job.cameraPath && !job.cameraPath->keys.empty())) {
     progress.remark(
         {RemarkCode::kDoubtful,
@@ -157,7 +203,27 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   return {};
 }
 
+namespace {
+
+/// The colours of a slice are values, which its legend names.
+Status checkSliceStyle(const RenderRequest& request, const FilmJob& job) {
+  if (!job.contour || job.contour->kind != Contour::Kind::kSlice)
+    return {};
+  const bool exposed = request.exposure != 0 && request.exposure != 1;
+  const bool toned = request.view || request.tone.value_or(ToneCurve::kNone) != ToneCurve::kNone;
+  for (const auto& [name, given] : {std::pair("exposure", exposed), std::pair("tone", toned),
+                                    std::pair("bloom", request.bloom > 0)}) {
+    if (given)
+      return failFor(name, ErrorCode::kInvalidArgument,
+                     "changes colours; those of a slice are values: leave it out");
+  }
+  return {};
+}
+
+}  // namespace
+
 Result<Development> developmentOf(const RenderRequest& request, const FilmJob& job) {
+  VOLUTE_TRY(checkSliceStyle(request, job));
   Development development;
   development.style = styleOf(request, job);
   development.colorMap = request.colors;
@@ -166,10 +232,11 @@ Result<Development> developmentOf(const RenderRequest& request, const FilmJob& j
   for (const auto& medium : job.scene.media()) {
     if (medium->info().channels == 1)
       continue;
-    return failFor(
-        "colormap", ErrorCode::kInvalidArgument,
-        "is for volumes with one channel and for optical depths; {}",
-        medium->info().measured ? "this shows " + medium->info().kind : "this one is RGB");
+    return failFor("colormap", ErrorCode::kInvalidArgument,
+                   "is for volumes with one channel and for optical depths; {}",
+                   medium->info().measured
+                       ? "this shows " + medium->info().kind
+                       : "this one is RGB: its values, its flames or the light on it have colours");
   }
   if (!job.scene.geometry().empty()) {
     return failFor("colormap", ErrorCode::kInvalidArgument,

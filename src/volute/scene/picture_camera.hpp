@@ -16,7 +16,8 @@ struct PictureCamera {
 };
 
 /// The camera `asked` for, else the scene's, else one that frames its bounds. Its picture has the
-/// `size` asked for, else the description's, else 800 x 600 pixels. kInvalidData where there is
+/// `size` asked for, else the description's, else 800 x 600 pixels, or the
+/// largest within that of the shape a glTF states. kInvalidData where there is
 /// nothing to frame.
 /// @param up  of a camera that frames the bounds
 [[nodiscard]] Result<PictureCamera> pictureCamera(const Scene& scene,

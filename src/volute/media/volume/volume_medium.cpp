@@ -198,6 +198,8 @@ MediumInfo VolumeMedium::describe() const {
   info.takeFrames(*this, volume_.frames, appearance_.clock);
   info.channels = volume_.channels;
   info.interpolates = interpolation_ != Interpolation::kNone;
+  if (appearance_.scatters() || appearance_.flames)
+    info.channels = 3;
   if (appearance_.transfer)
     info.channels = 3, info.measured = true;
   return info;
