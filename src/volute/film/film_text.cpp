@@ -121,7 +121,9 @@ PictureText FilmJob::textOf(const FilmFrame& frame) const {
   const PictureLaw law = scene.law();
   const bool threshold = law.mode == PictureMode::kThreshold;
   const std::string mode(nameOf(law.mode));
-  text.notes = {{"volute.mode", mode}, {"volute.shows", shown(options)}};
+  const std::string shows =
+      layers.empty() ? shown(options) : fmt::format("{}", fmt::join(layers, ", "));
+  text.notes = {{"volute.mode", mode}, {"volute.shows", shows}};
   if (threshold)
     text.notes.emplace_back("volute.C", fmt::format("{:g}", law.c));
   text.notes.emplace_back("volute.time", fmt::format("{:g} s", frame.time));
