@@ -61,7 +61,7 @@ const FieldTable& spotFields() {
        .slider = {.label = "target"}},
       {.name = "angle", .access = member<&SpotDescription::angle>(),
        .help = "full angle of the cone", .unit = "degrees", .least = 0, .most = 360,
-       .slider = {.label = "cone", .least = 1, .most = 179}},
+       .above = true, .slider = {.label = "cone", .least = 1, .most = 179}},
       {.name = "intensity", .type = kColor, .access = member<&SpotDescription::intensity>(),
        .help = "power per solid angle", .least = 0, .slider = {.label = "intensity"}},
       {.name = "radius", .access = member<&SpotDescription::radius>(),

@@ -54,10 +54,16 @@ Status readPicture(Sign& sign) {
   if (sign.pictureFile.empty())
     return {};
   VOLUTE_ASSIGN(const auto picture, readImage(sign.pictureFile));
+  // Where a .png is transparent it does not shine; colours of a .exr are multiplied by alpha.
+  std::optional<Image> alpha;
+  if (extensionOf(sign.pictureFile) != ".exr") {
+    VOLUTE_ASSIGN(alpha, readAlpha(sign.pictureFile, {.raw = true}));
+  }
   sign.picture = Image(picture.width, picture.height, 3);
   for (std::size_t i = 0; i < sign.picture.pixels.size(); ++i) {
     const auto channels = static_cast<std::size_t>(picture.channels);
-    sign.picture.pixels[i] = picture.pixels[i / 3 * channels + i % 3 % channels];
+    sign.picture.pixels[i] =
+        picture.pixels[i / 3 * channels + i % 3 % channels] * (alpha ? alpha->pixels[i / 3] : 1);
   }
   return {};
 }
@@ -85,7 +91,8 @@ const FieldTable& signFields() {
        .help = "width and height", .unit = "m", .least = 0, .most = 1e6, .above = true,
        .below = true, .count = 2, .slider = {.label = "width|height", .least = 0.05, .most = 3}},
       {.name = "picture", .type = kFile, .access = member<&Sign::pictureFile>(),
-       .help = "a .png or .exr whose linear values are its radiance; if not given, a green EXIT"}};
+       .help = "a .png or .exr whose linear values, times alpha, are its radiance; if not given, a "
+               "green EXIT"}};
   // clang-format on
   static const FieldTable kTable =
       fieldTable<Sign>({.name = "sign", .sentence = "an exit sign", .fields = kFields});
