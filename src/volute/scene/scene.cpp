@@ -54,6 +54,31 @@ Remark joined(std::span<const Lamp> all, std::span<const Lamp> few, const Box3& 
                       path, all.size(), few.size(), 100 * lampsDiffer(few, all, box))};
 }
 
+/// What fog alone does not take of light, or has no light for. What else may glow lights fog.
+void tellOfIdleLight(const SceneDescription& scene, const TriangleScene& geometry,
+                     const std::string& file, Progress& progress) {
+  const auto isFog = [](const MediumEntry& entry) { return entry.kind->name() == "fog"; };
+  if (scene.media.empty() || !geometry.empty() || !std::ranges::all_of(scene.media, isFog))
+    return;
+  const auto tell = [&](const std::string& place, std::string_view why) {
+    progress.remark(
+        Remark{RemarkCode::kLeftOut, fmt::format("{}: {} has no effect: {}", file, place, why)}.in(
+            file, place));
+  };
+  if (scene.lights.ambient.maxCoeff() > 0)
+    tell("/lights", "fog takes no ambient light; its color is the light it adds");
+  if (!scene.lights.lamps.empty())
+    return;
+  if (scene.lights.multiple)
+    tell("/scattering", "there is no light to scatter");
+  for (const MediumEntry& entry : scene.media) {
+    for (const char* member : {"albedo", "asymmetry"}) {
+      if (entry.json->contains(member))
+        tell(entry.path + '/' + member, "there is neither a sun nor a spot");
+    }
+  }
+}
+
 /// An entry of a scene file, in which settings of its kind are members.
 struct SceneEntry {
   const std::string& file;
@@ -184,6 +209,7 @@ Result<Scene> Scene::make(OrderedJson json, const std::string& file, const Scene
   scene.surfaces_ = scene.geometry_;
   VOLUTE_ASSIGN(scene.media_, scene.openMedia(scene.description_, false, progress));
   VOLUTE_TRY(scene.checkLaws());
+  tellOfIdleLight(scene.description_, scene.geometry_, file, progress);
   if (!all.empty())
     progress.remark(joined(all, scene.description_.lights.lamps, scene.bounds(), file));
   scene.json_ = std::move(json);

@@ -3,6 +3,7 @@
 // How volumes and billboards are written down, opened and changed by a person.
 #include <nlohmann/json.hpp>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/io/unit.hpp"
 #include "volute/media/light_blockers.hpp"
@@ -137,6 +138,32 @@ void sayOtherLook(const std::string& file, InputOptions input, const MediumConte
           .in(context.file, context.path));
 }
 
+/// Members of an entry that change nothing.
+void tellOfIdle(const Json& entry, const VolumeMedium& medium, const MediumContext& context,
+                Progress& progress) {
+  const Appearance& appearance = medium.appearance();
+  const bool lone = medium.info().times.size() < 2;
+  const char* shown = appearance.transfer ? "transfer says what is shown" : nullptr;
+  const char* still = lone ? "the file has one frame" : nullptr;
+  const char* grey = appearance.albedo.maxCoeff() > 0 ? nullptr : "there is no albedo";
+  const char* apart = lone                                                 ? still
+                      : appearance.interpolation == Interpolation::kNone   ? "interpolate is none"
+                      : appearance.interpolation == Interpolation::kLinear ? "interpolate is linear"
+                                                                           : nullptr;
+  const std::pair<const char*, const char*> members[] = {
+      {"emission", shown},      {"extinction", shown}, {"albedo", shown}, {"flames", shown},
+      {"preset", shown},        {"time", still},       {"fps", still},    {"velocity_scale", apart},
+      {"velocity_unit", apart}, {"color_field", grey}};
+  for (const auto& [member, why] : members) {
+    if (!why || !entry.contains(member))
+      continue;
+    progress.remark(
+        Remark{RemarkCode::kLeftOut,
+               fmt::format("{}: {}/{} has no effect: {}", context.file, context.path, member, why)}
+            .in(context.file, context.path + '/' + member));
+  }
+}
+
 class VolumeKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return volumeFields(); }
@@ -210,6 +237,8 @@ class VolumeKind final : public MediumKind {
         !appearance.surface) {
       VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), remarkLog));
     }
+    if (extensionOf(context.file) == ".json")
+      tellOfIdle(entry, *medium, context, remarkLog);
     medium->remarks.insert(medium->remarks.begin(), remarkLog.remarks().begin(),
                            remarkLog.remarks().end());
     medium->setLighting(std::move(lighting));
