@@ -98,6 +98,14 @@ struct StoredPng {
 [[nodiscard]] Result<StoredPng> readStoredPng(const std::filesystem::path& path,
                                               std::uint64_t maxMemory);
 
+/// What a .png states besides its pixels.
+struct PngExtras {
+  int pictures = 1;        ///< of an animated one; the first is read
+  double pixelAspect = 1;  ///< width of a pixel / its height
+};
+
+[[nodiscard]] Result<PngExtras> readPngExtras(const std::filesystem::path& path);
+
 /// Bits of a channel of a .png: 16, or 8 where it has as many or fewer.
 [[nodiscard]] Result<int> readPngBits(const std::filesystem::path& path);
 

@@ -402,6 +402,31 @@ Result<int> readPngBits(const std::filesystem::path& path) {
   return state.bits;
 }
 
+Result<PngExtras> readPngExtras(const std::filesystem::path& path) {
+  constexpr std::uint64_t kSignature = 8, kFrame = 12;  // bytes; of a chunk: length, type, checksum
+  constexpr double kSquare = 0.01;
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  PngExtras extras;
+  std::array<unsigned char, 16> head{};  // length, type, and the first two numbers of the content
+  const auto number = [&](std::size_t at) {
+    return std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
+           std::uint32_t{head[at + 2]} << 8 | head[at + 3];
+  };
+  for (std::uint64_t at = kSignature; at + head.size() <= file.size(); at += number(0) + kFrame) {
+    VOLUTE_TRY(file.read(at, std::as_writable_bytes(std::span(head))));
+    const std::string_view type(reinterpret_cast<const char*>(&head[4]), 4);
+    if (type == "IDAT")
+      break;
+    if (type == "acTL")
+      extras.pictures = static_cast<int>(std::min(number(8), std::uint32_t{1} << 30));
+    if (type == "pHYs" && number(8) > 0 && number(12) > 0)
+      extras.pixelAspect = static_cast<double>(number(12)) / number(8);
+  }
+  if (std::abs(extras.pixelAspect - 1) < kSquare)
+    extras.pixelAspect = 1;
+  return extras;
+}
+
 Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {
   PngState state;
   VOLUTE_TRY(readPngFile(path, {.maxMemory = maxMemory}, state));

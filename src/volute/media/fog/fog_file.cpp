@@ -160,6 +160,8 @@ void addIdle(const nlohmann::json& json, FogDescription& fog) {
     fog.idle.push_back({"mu", "cell_angle says where levels end"});
   if (fog.border && fog.wind.head<2>().isZero(0) && *fog.border != FogBorder::kZero)
     fog.idle.push_back({"border", "there is no wind"});
+  if (fog.wind.head<2>().isZero(0) && fog.wind.z() != 0 && !fog.described && !fog.top)
+    fog.idle.push_back({"wind", "it is vertical, and the fog is the same at all heights"});
   if (fog.described)
     addIdle(json["profile"], fog.described->kind, fog.idle);
 }

@@ -454,6 +454,15 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   FoggedFrame out;
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
   out.others = std::move(color.others);
+  if (extensionOf(frame.color) == ".png") {
+    VOLUTE_ASSIGN(const auto extras, readPngExtras(frame.color));
+    color.pixels.part.pixelAspect = extras.pixelAspect;
+    if (extras.pictures > 1) {
+      out.remarks.push_back(
+          {RemarkCode::kLeftOut, "pictures",
+           fmt::format("{}: holds {} pictures; the first is read", frame.color, extras.pictures)});
+    }
+  }
   FramePart part = color.pixels.part;
   VOLUTE_ASSIGN(const auto whole, cameraFor(frame, part, out.remarks));
   VOLUTE_ASSIGN(auto depth, extensionOf(frame.depth) == ".exr"

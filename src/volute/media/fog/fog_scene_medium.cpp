@@ -2,10 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/media/fog/fog_scene_medium.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
+#include "volute/io/frame_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/volume_files/volume_input.hpp"
@@ -54,11 +58,75 @@ Status multiplyByAlpha(const std::string& path, Image& image, const Reading& rea
   return {};
 }
 
+/// What is told once of the pictures of a map.
+using ToldOfMaps = std::set<std::string>;
+
+std::string notSquare(double aspect) {
+  return fmt::format("its pixels are {:g} times as wide as high; the map's cells are square",
+                     aspect);
+}
+
+/// Of a .exr: what is not read of it, and values that are no shares.
+Status tellOfExr(const std::string& path, const Image& image, const std::string& unit, double whole,
+                 ToldOfMaps& told, Progress& progress) {
+  const auto tell = [&](const char* subject, RemarkCode code, const std::string& text) {
+    if (told.insert(subject).second)
+      progress.remark(Remark{code, fmt::format("{}: {}", path, text)}.in(path));
+  };
+  const float largest = std::ranges::max(image.pixels);
+  if (largest > 1) {
+    tell("values", RemarkCode::kDoubtful,
+         fmt::format("values up to {:g} count as they are, not as shares of a maximum as a .png's "
+                     "do: {} up to {:g} {}",
+                     largest, unit == "m" ? "heights are" : "the extinction is", largest * whole,
+                     unit));
+  }
+  VOLUTE_ASSIGN(const auto info, readFrameInfo(path));
+  std::vector<std::string> others;
+  for (const FrameChannel& channel : info.channels) {
+    const bool read =
+        channel.name == "A" || info.channels.size() == 1 ||
+        (image.channels == 3 ? channel.name == "R" || channel.name == "G" || channel.name == "B"
+                             : channel.name == "Y");
+    if (!read)
+      others.push_back(channel.name);
+  }
+  if (!others.empty()) {
+    tell("channels", RemarkCode::kLeftOut,
+         fmt::format("the map is {}; left out: {}", image.channels == 3 ? "R, G and B" : "Y",
+                     fmt::join(others, ", ")));
+  }
+  if (const double aspect = info.parts.front().pixelAspect; aspect != 1)
+    tell("aspect", RemarkCode::kLeftOut, notSquare(aspect));
+  return {};
+}
+
+/// Of a .png: what is not read of it.
+Status tellOfPng(const std::string& path, ToldOfMaps& told, Progress& progress) {
+  VOLUTE_ASSIGN(const auto extras, readPngExtras(path));
+  if (extras.pictures > 1 && told.insert("pictures").second) {
+    progress.remark(
+        Remark{RemarkCode::kLeftOut,
+               fmt::format("{}: holds {} pictures; the first is read", path, extras.pictures)}
+            .in(path));
+  }
+  if (extras.pixelAspect != 1 && told.insert("aspect").second) {
+    progress.remark(
+        Remark{RemarkCode::kLeftOut, fmt::format("{}: {}", path, notSquare(extras.pixelAspect))}.in(
+            path));
+  }
+  return {};
+}
+
 Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, FogColour colour,
-                       const Reading& reading) {
+                       const std::string& unit, ToldOfMaps& told, const Reading& reading) {
   VOLUTE_ASSIGN(auto image, readImage(path, {.raw = true, .maxMemory = reading.maxMemory}));
-  if (extensionOf(path) != ".exr")
+  if (extensionOf(path) == ".exr")
+    VOLUTE_TRY(tellOfExr(path, image, unit, placement.sigmaMax, told, reading.progress));
+  else
     VOLUTE_TRY(multiplyByAlpha(path, image, reading));
+  if (extensionOf(path) == ".png")
+    VOLUTE_TRY(tellOfPng(path, told, reading.progress));
   auto map = FogMap::fromImage(image, placement, colour);
   if (!map)
     return aboutFile(path, map.error());
@@ -68,8 +136,9 @@ Result<FogMap> readMap(const std::string& path, const FogPlacement& placement, F
 Result<Maps> readPictures(const std::vector<std::string>& paths, const std::vector<double>& numbers,
                           const FogDescription& fog, const Reading& reading) {
   Maps maps;
+  ToldOfMaps told;
   for (std::size_t i = 0; i < paths.size(); ++i) {
-    VOLUTE_ASSIGN(auto map, readMap(paths[i], fog.placement, fog.colour, reading));
+    VOLUTE_ASSIGN(auto map, readMap(paths[i], fog.placement, fog.colour, "/m", told, reading));
     maps.maps.push_back(std::move(map));
     maps.times.push_back(timeOfNumber(numbers[i], numbers.front(), fog));
   }
@@ -330,6 +399,13 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
   if (maps.maps.size() == 1 && !(said.clock == Clock()))
     told.idle.push_back({"time", "there is one map, and wind follows the scene's time"});
   tellOfIdle(told, reading.progress);
+  if (said.borderInWind() == FogBorder::kRepeat && !said.border && !said.origin.options()) {
+    reading.progress.remark(
+        Remark(fmt::format("{}: what the wind blows out of the map comes in on its other side, as "
+                           "if border were \"repeat\"",
+                           said.where()))
+            .in(said.origin.file, said.origin.path));
+  }
   if (maps.place)
     tellOfPlace(*maps.place, said, reading.progress);
   if (!description.times.empty() && description.times.size() != maps.maps.size()) {
@@ -346,8 +422,9 @@ Result<std::shared_ptr<FogSceneMedium>> FogSceneMedium::open(const FogDescriptio
         "top"));
   }
   if (description.top) {
+    ToldOfMaps toldOfTop;
     VOLUTE_ASSIGN(const auto top, readMap(description.top->file, description.top->placement,
-                                          FogColour::kRefuse, reading));
+                                          FogColour::kRefuse, "m", toldOfTop, reading));
     tellOfTop(maps.maps.front(), top, description, reading.progress);
     auto fog = FogMedium::make(maps.maps.front(), description.profile, description.options, top);
     if (!fog)
