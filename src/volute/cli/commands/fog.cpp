@@ -45,22 +45,27 @@ FogFrameOptions frameOptions(const Arguments& arguments) {
   return options;
 }
 
+/// Kinds of what is lost, with sentences.
+using Lost = std::vector<std::pair<std::string, std::string>>;
+
 /// What a target does not keep of a frame.
-std::vector<std::string> lostIn(const std::string& target, const FramePixels& frame) {
-  std::vector<std::string> lost;
+Lost lostIn(const std::string& target, const FramePixels& frame) {
+  Lost lost;
   const FramePart& part = frame.part;
   if (extensionOf(target) == ".exr")
     return lost;
   if (!(part.data == part.display))
-    lost.push_back("pixels outside the display window");
+    lost.emplace_back("window", "pixels outside the display window");
   if (part.pixelAspect != 1)
-    lost.push_back(fmt::format("that pixels are {:g} times as wide as high", part.pixelAspect));
+    lost.emplace_back("aspect",
+                      fmt::format("that pixels are {:g} times as wide as high", part.pixelAspect));
   const auto numbers =
       std::ranges::count_if(frame.color.pixels, [](float value) { return !std::isfinite(value); });
   if (numbers > 0)
-    lost.push_back(fmt::format("values that are infinite or no numbers ({})", numbers));
+    lost.emplace_back("numbers",
+                      fmt::format("values that are infinite or no numbers ({})", numbers));
   if (frame.alpha && isFilmPath(target))
-    lost.push_back("alpha (it is over black)");
+    lost.emplace_back("alpha", "alpha (it is over black)");
   return lost;
 }
 
@@ -72,24 +77,37 @@ void tell(const FoggedFrame& frame, std::set<std::string>& told, Progress& progr
   }
 }
 
-void tellLost(const FoggedFrame& frame, const std::string& target, Progress& progress) {
-  if (const auto& others = frame.others; !others.empty() && extensionOf(target) == ".exr") {
+/// @param several  whether it is one of several frames
+/// @param told  what was said of frames before it, by kinds
+void tellLost(const FoggedFrame& frame, const FogFrame& names, const std::string& target,
+              bool several, std::set<std::string>& told, Progress& progress) {
+  const std::string of = several ? fmt::format(" of frame {}", names.number) : "";
+  std::vector<std::string> others;
+  for (const std::string& channel : frame.others) {
+    if (extensionOf(target) == ".exr" && told.insert("channel " + channel).second)
+      others.push_back(channel);
+  }
+  if (!others.empty()) {
     constexpr std::size_t kShown = 6;
     const std::vector<std::string> some(
         others.begin(),
         others.begin() + static_cast<std::ptrdiff_t>(std::min(others.size(), kShown)));
     progress.remark(
         {RemarkCode::kLeftOut,
-         fmt::format(
-             "{}: holds colour and alpha; {} other channel{} of the frame {} left out: {}{}",
-             target, others.size(), others.size() == 1 ? "" : "s",
-             others.size() == 1 ? "is" : "are", fmt::join(some, ", "),
-             others.size() > kShown ? " .." : "")});
+         fmt::format("{}: holds colour and alpha; {} other channel{} of {} {} left out: {}{}",
+                     target, others.size(), others.size() == 1 ? "" : "s",
+                     several ? fmt::format("frame {}", names.number) : "the frame",
+                     others.size() == 1 ? "is" : "are", fmt::join(some, ", "),
+                     others.size() > kShown ? " .." : "")});
   }
-  const auto lost = lostIn(target, frame.pixels);
+  std::vector<std::string> lost;
+  for (const auto& [kind, what] : lostIn(target, frame.pixels)) {
+    if (told.insert("lost " + kind).second)
+      lost.push_back(what);
+  }
   if (!lost.empty()) {
-    progress.remark({RemarkCode::kLeftOut, fmt::format("{}: does not keep {}; a .exr does", target,
-                                                       fmt::join(lost, ", "))});
+    progress.remark({RemarkCode::kLeftOut, fmt::format("{}: does not keep {}{}; a .exr does",
+                                                       target, fmt::join(lost, ", "), of)});
   }
 }
 
@@ -114,12 +132,14 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
       VOLUTE_ASSIGN(writer, imageFileWriter(target, development));
     }
     tell(fogged, told, context.progress);
-    if (i == 0)
-      tellLost(fogged, target, context.progress);
+    tellLost(fogged, frames[i], target, frames.size() > 1, told, context.progress);
     VOLUTE_TRY(writer->writeFrame(fogged.pixels, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));
   }
-  return writer->finish();
+  VOLUTE_TRY(writer->finish());
+  if (const auto lost = writer->halvesLost(target))
+    context.progress.remark(*lost);
+  return {};
 }
 
 /// What a map of fog is by the options of its table.
@@ -242,12 +262,37 @@ Status checkUse(const Arguments& arguments) {
                   name);
     }
   }
+  for (const auto& [name, of] :
+       {std::pair("color-layer", "color"), std::pair("depth-channel", "depth")}) {
+    const auto file = arguments.get<std::string>(of);
+    if (arguments.given(name) && extensionOf(file) != ".exr")
+      return fail(ErrorCode::kInvalidArgument, "--{} is for a .exr; '{}' is none", name, file);
+  }
   const auto target = arguments.get<std::string>("output");
   if (!isPicturePath(target) && !isFilmPath(target)) {
     return fail(ErrorCode::kInvalidArgument,
                 "--output: '{}' has an unknown format; expected .png, .exr, .mp4 or .webm", target);
   }
+  if (arguments.given("path") && arguments.get<std::string>("path") != "walk" &&
+      arguments.get<std::string>("renderer") == "reference")
+    return fail(ErrorCode::kInvalidArgument,
+                "--path has no effect: --renderer reference integrates along every ray");
   return checkTarget(target);
+}
+
+/// What is said of pictures where none is written.
+Status checkShaderAlone(const Arguments& arguments) {
+  for (const char* name : {"depth", "camera", "color-layer", "depth-channel", "depth-scale",
+                           "depth-kind", "sky-depth", "edges", "path", "fog-only", "frames",
+                           "duration", "renderer", "film-bits", "film-quality", "half"}) {
+    if (arguments.given(name))
+      return fail(
+          ErrorCode::kInvalidArgument,
+          "--{} has no effect: --export-glsl alone writes no picture; add --color, --depth, "
+          "--camera and --output, or leave it out",
+          name);
+  }
+  return {};
 }
 
 /// What shader functions of a fog do not have of it.
@@ -283,8 +328,7 @@ void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
 Status runFog(const Arguments& arguments, Context& context) {
   const auto folder = arguments.find<std::string>("export-glsl");
   const bool pictures = arguments.given("color") || arguments.given("output") || !folder;
-  if (pictures)
-    VOLUTE_TRY(checkUse(arguments));
+  VOLUTE_TRY(pictures ? checkUse(arguments) : checkShaderAlone(arguments));
   VOLUTE_ASSIGN(auto description, fogOf(arguments, arguments.positional(0)));
   VOLUTE_ASSIGN(const auto suns, sunsOf(arguments));
   VOLUTE_ASSIGN(const auto geometry, addGeometry(arguments, description, context));

@@ -199,6 +199,9 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
     request.background = Rgb::Zero(), request.legend = false;
   if (arguments.given("background"))
     request.background = Rgb(arguments.get<Vec3>("background").array());
+  if (request.background && !(*request.background >= 0).all())
+    return fail(ErrorCode::kInvalidArgument,
+                "--background: radiance is 0 or more in each of its three numbers");
   const auto aov = arguments.find<std::string>("aov");
   request.aov = aov == "transmittance"   ? Aov::kTransmittance
                 : aov == "optical-depth" ? Aov::kOpticalDepth
@@ -237,6 +240,26 @@ Status takePartial(const Arguments& arguments, int ranks, FilmJob& job) {
               "intact part of a damaged .volute");
 }
 
+/// Of several pictures of what has frames of its own.
+/// @param ratedFile  whether a rate says when they are
+Status refuseIdleRate(const Arguments& arguments, const std::string& target, const FilmJob& job,
+                      bool ratedFile) {
+  const SceneMedium* leader = leaderOf(job.scene);
+  if (!leader || leader->info().times.size() < 2)
+    return {};
+  const MediumInfo& info = leader->info();
+  const bool between = info.interpolates && (isFilmPath(target) || arguments.given("shutter"));
+  if (arguments.given("speed") && !between && !isFilmPath(target))
+    return fail(ErrorCode::kInvalidArgument,
+                "--speed has no effect: single pictures show the frames of {} at their own times",
+                info.file);
+  if (!arguments.given("fps") || between || ratedFile)
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--fps has no effect: the frames of {} have times of their own{}", info.file,
+              job.scene.isFile() ? "; \"fps\" of a volume in the scene sets them" : "");
+}
+
 /// What says nothing of one picture, and how the usual view is turned where there is another.
 Status refuseIdleView(const Arguments& arguments, const std::string& target,
                       const RenderRequest& request, const FilmJob& job) {
@@ -244,14 +267,39 @@ Status refuseIdleView(const Arguments& arguments, const std::string& target,
     return fail(ErrorCode::kInvalidArgument,
                 "--up has no effect: {} has a camera of its own; add --eye, --target and --fov",
                 arguments.positional(0));
-  if (isFilmPath(target) || job.frames.size() > 1 || arguments.given("shutter"))
-    return {};
   const auto& media = job.scene.description().media;
-  const bool rated = arguments.given("frames") ||
-                     (!job.scene.isFile() && media.front().kind->fields().find("fps"));
+  const bool ratedFile = !job.scene.isFile() && media.front().kind->fields().find("fps");
+  if (isFilmPath(target) || job.frames.size() > 1)
+    return refuseIdleRate(arguments, target, job, ratedFile);
+  if (arguments.given("shutter"))
+    return {};
+  const bool rated = arguments.given("frames") || ratedFile;
   for (const auto& [name, idle] : {std::pair("speed", true), std::pair("fps", !rated)}) {
     if (arguments.given(name) && idle)
       return fail(ErrorCode::kInvalidArgument, "--{} has no effect on one picture", name);
+  }
+  return {};
+}
+
+/// What is measured is not rounded.
+Status refuseHalf(const Arguments& arguments, const FilmJob& job) {
+  const bool light = std::ranges::any_of(
+      job.layers, [](const auto& layer) { return layer == "beauty" || layer == "alpha"; });
+  if (!arguments.flag("half") || !arguments.given("aov") || light)
+    return {};
+  return fail(ErrorCode::kInvalidArgument,
+              "--half is for colours and alpha; --aov {} is measured and stays float32: leave one "
+              "of them out",
+              arguments.get<std::string>("aov"));
+}
+
+/// A slice or an isosurface shows values, not light.
+Status refuseInContour(const Arguments& arguments) {
+  const auto contour = beyondGl(arguments);
+  for (const char* name : {"samples", "scattering", "albedo", "asymmetry", "background"}) {
+    if (!contour.empty() && arguments.given(name))
+      return fail(ErrorCode::kInvalidArgument,
+                  "--{} has no effect on --{}, which shows values and no light", name, contour);
   }
   return {};
 }
@@ -269,7 +317,13 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   Scene& scene = job.scene;
   VOLUTE_TRY(takeLaw(arguments, scene, context.progress));
   VOLUTE_ASSIGN(job.layers, layersOf(arguments, target));
+  VOLUTE_TRY(refuseHalf(arguments, job));
   job.together = arguments.flag("by-pieces") && context.team.size() > 1;
+  if (arguments.flag("by-pieces") && !job.together) {
+    context.progress.remark({RemarkCode::kLeftOut,
+                             "--by-pieces has no effect: there is one process, which holds all; "
+                             "mpirun starts several"});
+  }
   if (job.together && !scene.media().empty() && !scene.media().front()->info().sharesAll &&
       scene.media().front()->info().times.size() > 1 && !arguments.given("time") &&
       !arguments.given("frames")) {
@@ -318,8 +372,15 @@ Status refuseInMeasured(const Arguments& arguments) {
 
 /// What shows nothing in the kind of picture that is written.
 Status refuseInExr(const Arguments& arguments, const std::string& target) {
-  for (const char* name : {"bloom", "legend", "colormap"}) {
-    if (arguments.given(name) && extensionOf(target) == ".exr")
+  const auto exposure = arguments.get<std::string>("exposure"),
+             tone = arguments.get<std::string>("tone");
+  const bool exposed = exposure != "auto" && parseNumber(exposure) != 1;
+  const bool toned = tone != "auto" && tone != "none";
+  for (const auto& [name, given] : {std::pair("exposure", exposed), std::pair("tone", toned),
+                                    std::pair("bloom", arguments.given("bloom")),
+                                    std::pair("legend", arguments.given("legend")),
+                                    std::pair("colormap", arguments.given("colormap"))}) {
+    if (given && extensionOf(target) == ".exr")
       return fail(ErrorCode::kInvalidArgument,
                   "--{} has no effect: a .exr holds light as it is; write a .png or a film", name);
   }
@@ -348,6 +409,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkRenderTargets(arguments, target));
   VOLUTE_TRY(refuseInMeasured(arguments));
   VOLUTE_TRY(refuseInExr(arguments, target));
+  VOLUTE_TRY(refuseInContour(arguments));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
   VOLUTE_ASSIGN(const auto request, requestOf(arguments, target));
