@@ -414,6 +414,7 @@ Status judge(const Cases& cases, const NamedMedia& what, const NamedLight& light
 
 Status benchLight(const BenchInput& input, BenchRows& rows, Progress& progress) {
   VOLUTE_ASSIGN(const auto cases, Cases::write(progress));
+  bool any = false;
   const Place room{Vec3(0, 0, 2), 4, Vec3(-0.5, -6, 2.6), Vec3(0.3, -0.2, 5.6)};
   const Place hall{Vec3(12, 6, 3), 5.5, Vec3(3, 3, 2.5), Vec3(1.2, 4, 2.2)};
   std::vector<NamedMedia> all = {{"volume", room, {cases.volume(room)}},
@@ -428,11 +429,16 @@ Status benchLight(const BenchInput& input, BenchRows& rows, Progress& progress) 
     all.resize(2);
   for (const NamedMedia& media : all) {
     for (const NamedLight& light : kLights) {
-      if (rowName(media, light).find(input.only) != std::string::npos)
-        VOLUTE_TRY(judge(cases, media, light, rows, progress));
+      if (rowName(media, light).find(input.only) == std::string::npos)
+        continue;
+      any = true;
+      VOLUTE_TRY(judge(cases, media, light, rows, progress));
     }
   }
-  return {};
+  if (any)
+    return {};
+  return failFor("only", ErrorCode::kInvalidArgument, "no row of light has '{}' in its name",
+                 input.only);
 }
 
 }  // namespace volute::bench

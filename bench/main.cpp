@@ -69,12 +69,37 @@ Result<std::vector<const Benchmark*>> chosen(const std::vector<std::string>& nam
   return list;
 }
 
+/// An option that no chosen benchmark reads.
+Status refuseIdle(const Arguments& arguments, const std::vector<const Benchmark*>& list) {
+  struct Use {
+    const char* option;
+    std::vector<std::string_view> benchmarks;
+  };
+
+  const Use uses[] = {{"input", {"codec", "tomography", "smoke", "sparse", "gl"}},
+                      {"truth", {"tomography"}},
+                      {"field", {"tomography"}},
+                      {"peers", {"codec"}},
+                      {"whole-pictures", {"smoke"}},
+                      {"only", {"light"}}};
+  for (const auto& [option, names] : uses) {
+    const bool used = std::ranges::any_of(list, [&](const Benchmark* benchmark) {
+      return std::ranges::find(names, benchmark->name) != names.end();
+    });
+    if (arguments.given(option) && !used)
+      return fail(ErrorCode::kInvalidArgument, "--{} has no effect: it is for {}", option,
+                  fmt::join(names, ", "));
+  }
+  return {};
+}
+
 Status run(const Arguments& arguments, Context& context) {
   if (arguments.flag("list")) {
     context.print(listText());
     return {};
   }
   VOLUTE_ASSIGN(const auto list, chosen(arguments.positionals()));
+  VOLUTE_TRY(refuseIdle(arguments, list));
   const BenchInput input{arguments.find<std::string>("input").value_or(""),
                          context.maxMemory,
                          arguments.find<std::string>("truth").value_or(""),
