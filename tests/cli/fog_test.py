@@ -3,6 +3,8 @@
 """Fog in scenes and over frames of other renderers, against closed forms; what is refused."""
 import json
 import math
+import struct
+import zlib
 
 import support
 from pictures import Part, read_exr, write_parts, write_planes, write_rows
@@ -78,6 +80,53 @@ class Scenes(FogCase):
              "transform": [8, 0, 0, 8, 0, 8, 0, 8, 0, 0, 8, 0, 0, 0, 0, 1]},
             self.fog | {"degree": 1, "origin": [3, -2, 1], "mu": 1, "color": [0.2, 0.5, 0.9]}]
         self.scene["camera"] = {"eye": [-4, -6, 5], "target": [12, 12, 2], "fov": 60, "size": [48, 36]}
+
+    def test_half_of_the_light_is_lost_where_fog_has_no_end(self):
+        del self.fog["profile"]
+        self.scene["camera"] = {"eye": [8, 1, 20], "target": [8, 12, 20], "fov": 1, "size": [4, 4]}
+        for more in ({}, {"profile": {"kind": "exponential", "bottom": 100, "height": 5}}, {"wind": [0, 0, 1], "profile": {
+                "kind": "slab", "bottom": -100, "top": 100}}):
+            self.path("z.json").write_text(json.dumps(self.scene | {"media": [self.fog | {"sigma_max": 1} | more]}))
+            self.works("render", self.path("z.json"), "-o", self.path("z.exr"), "--aov", "z", "--time", "50", measured=False)
+            for value in read_exr(self.path("z.exr")).values:
+                self.assertAlmostEqual(value, math.log(2), delta=2e-3)
+
+    def test_what_light_and_time_leave_without_effect_is_told(self):
+        self.scene["lights"] = [{"kind": "ambient", "radiance": [5, 5, 5]}]
+        self.scene["scattering"] = "multiple"
+        self.fog |= {"albedo": [0.5, 0.5, 0.5], "asymmetry": 0.3}
+        said = self.works("render", self.write(), "-o", self.path("x.png")).message
+        for place in ("/lights", "/scattering", "/media/0/albedo", "/media/0/asymmetry"):
+            self.assertIn(f"{place} has no effect", said)
+        self.scene["lights"] = [{"kind": "sun", "direction": [0, 0, -1]}]
+        self.assertNotIn("no effect", self.works("render", self.write(), "-o", self.path("x.png")).message)
+        self.scene["lights"] = [{"kind": "spot", "position": [8, 8, 20], "target": [8, 8, 0], "angle": 0}]
+        self.assertIn("/lights/0/angle", self.fails(1, "render", self.write(), "-o", self.path("x.exr")))
+        self.scene["lights"] = []
+        self.fog |= {"map": ["map.png", "map.png"], "times": [1, 2], "wind": [1, 0, 0]}
+        self.scene["format"] = "volute-scene-2"
+        for time, text in (("0", "before the first map, at 1 s"), ("3", "after the last map, at 2 s")):
+            self.assertIn(text, self.works("render", self.write(), "-o", self.path("x.png"), "--time", time).message)
+        said = self.works("render", self.write(), "-o", self.path("x.png"), "--time", "1").message
+        self.assertNotIn("which stays", said)
+        self.assertIn("comes in on its other side", said)
+
+    def test_speed_is_that_of_the_wind(self):
+        self.fog["wind"] = [1, 0, 0]
+        said = self.works("render", self.write(), "-o", self.path("w.mp4"), "--frames", "0:11", "--speed", "5").message
+        self.assertIn("11 pictures from 0 to 2 s, 25 a second", said)
+        said = self.works("render", self.write(), "-o", self.path("x.exr"), "--time", "3", "--shutter", "1", "--fps", "1").message
+        self.assertNotIn("nothing moves", said)
+
+    def test_a_sign_is_not_where_its_picture_is_transparent(self):
+        row = [value for i in range(8) for value in (255, 0, 0, 255 if 2 <= i < 6 else 0)]
+        write_rows(self.path("sign.png"), [row] * 4, channels=4)
+        self.path("sign.json").write_text(json.dumps({
+            "format": "volute-scene-2", "camera": {"eye": [0, -3, 0], "target": [0, 0, 0], "ortho": 0.5, "size": [8, 4]},
+            "signs": [{"position": [0, 0, 0], "normal": [0, -1, 0], "picture": "sign.png", "size": [1, 0.5]}]}))
+        self.works("render", self.path("sign.json"), "-o", self.path("x.exr"), "--measured")
+        row = read_exr(self.path("x.exr")).values[:24:3]
+        self.assertEqual([value > 0.5 for value in row], [2 <= i < 6 for i in range(8)])
 
     def test_both_renderers_agree_where_media_overlap(self):
         self.overlapping()
@@ -399,6 +448,20 @@ class Frames(FogCase):
         self.assertNotIn("not used", said("small.vti", "--cell", "1"))
         self.path("map.jpg").write_bytes(b"\xff\xd8\xff\xe0")
         self.assertIn("expected .png (8 or 16 bits) or .exr", self.fails(1, "fog", self.path("map.jpg"), *self.words(out="none.exr")[2:]))
+        write_planes(self.path("bright.exr"), 40, 40, {"Y": [200] * 1600, "density": [1] * 1600})
+        self.assertIn("values up to 200 count as they are", said("bright.exr"))
+        self.assertIn("the map is Y; left out: density", said("bright.exr"))
+        write_parts(self.path("wide.exr"), [Part(40, 40, {"Y": [0.5] * 1600}, aspect=2.0)])
+        self.assertIn("2 times as wide as high; the map's cells are square", said("wide.exr"))
+        write_planes(self.path("even.exr"), 40, 40, {"Y": [0.5] * 1600})
+        self.assertNotIn("even.exr", said("even.exr"))
+        # Chunks of a .png before its pixels: three pictures, and pixels twice as wide as high.
+        data = self.path("map.png").read_bytes()
+        chunks = b"".join(struct.pack(">I", len(body) - 4) + body + struct.pack(">I", zlib.crc32(body))
+                          for body in (b"acTL" + struct.pack(">II", 3, 0), b"pHYs" + struct.pack(">IIB", 1000, 2000, 1)))
+        self.path("animated.png").write_bytes(data[:33] + chunks + data[33:])
+        self.assertIn("holds 3 pictures; the first is read", said("animated.png"))
+        self.assertIn("2 times as wide as high; the map's cells", said("animated.png"))
         # Parts of a .exr: nobody says which one is the map.
         part = {"Y": [0.5] * 1600}
         write_parts(self.path("parts.exr"), [Part(40, 40, part, "low"), Part(40, 40, part, "fog")])
@@ -413,6 +476,14 @@ class Frames(FogCase):
         self.assertIn("levels has no effect: the finest one", self.works(*self.words("--levels", "2")).message)
         both = self.works(*self.words("--levels", "2", "--cell-angle", ".1", "--mu", ".5"))
         self.assertIn("mu has no effect: cell_angle says", both.message)
+        self.assertIn("wind has no effect: it is vertical", self.works(*self.words("--wind", "0,0,5")).message)
+        self.works("fog", self.path("map.png"), "--export-glsl", self.path("shaders"))
+        self.assertIn("--sky-depth has no effect: --export-glsl alone",
+                      self.fails(2, "fog", self.path("map.png"), "--export-glsl", self.path("shaders"), "--sky-depth", "5"))
+        self.assertIn("--path has no effect", self.fails(2, *self.words("--path", "polar", "--renderer", "reference")))
+        write_rows(self.path("color.png"), [[10, 120, 250] * 8] * 6, channels=3)
+        words = [self.path("color.png") if str(word).endswith("color.exr") else word for word in self.words("--color-layer", "foo")]
+        self.assertIn("--color-layer is for a .exr", self.fails(2, *words))
         blown = ("--fps", "30", "--wind", "1,0,0", "--border", "zero", "--frames", "0:2")
         self.assertNotIn("no effect", self.works(*self.words(*blown, out="x_%d.exr")).message)
 
@@ -428,6 +499,17 @@ class Frames(FogCase):
         planes["R"][0] = float("nan")
         write_planes(self.path("color.exr"), 8, 6, planes)
         self.assertIn("values that are infinite or no numbers (1)", self.works(*self.words(out="x.png")).message)
+        # Of several frames each kind of loss once, whichever frame has it.
+        light = {name: [0.5] * 48 for name in "RGB"}
+        for i, more in enumerate(({}, {"id": [1.0] * 48}, {}, {"id": [1.0] * 48})):
+            write_parts(self.path(f"color_{i}.exr"), [Part(8, 6, light | more, aspect=2.0 if i == 2 else 1.0)])
+            self.path(f"depth_{i}.exr").write_bytes(self.path("depth.exr").read_bytes())
+        words = [str(word).replace("color.exr", "color_%d.exr").replace("depth.exr", "depth_%d.exr") for word in self.words()]
+        said = self.works(*[word.replace("x.exr", "x_%d.exr") for word in words]).message
+        self.assertEqual(said.count("1 other channel of frame 1 is left out: id"), 1)
+        self.assertEqual(said.count("left out"), 1)
+        self.assertIn("does not keep that pixels are 2 times as wide as high of frame 2",
+                      self.works(*[word.replace("x.exr", "x_%d.png") for word in words]).message)
 
     def test_a_camera_with_keys_is_refused(self):
         self.camera({"eye": [20, -5, 5], "target": [20, 15, 5], "fov": 60, "keys": [[0, 20, -5, 5, 20, 15, 5], [1, 20, 5, 5, 20, 15, 5]]})

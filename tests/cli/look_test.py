@@ -383,6 +383,16 @@ class Look(support.TestCase):
         listed = pictures.attributes(self.path("z.exr").read_bytes())[0]["channels"]
         self.assertEqual([entry[-16] for entry in pictures.split_channels(listed)], [1, 2], "depths stay floats")
         self.assertIn("--half is for .exr", self.fails(2, *words, "-o", self.path("x.png"), "--half"))
+        for aov in ("optical-depth", "transmittance,z"):
+            self.assertIn("measured and stays float32",
+                          self.fails(2, *words, "-o", self.path("y.exr"), "--half", "--aov", aov))
+
+    def test_what_half_floats_do_not_hold_is_told(self):
+        words = ("render", self.npy("v.npy"), "-o", self.path("h.exr"), "--size", "16x16", "--preset", "none")
+        for emission, said in (("1e6", "values are beyond 65504"), ("1e-9", "of them became 0")):
+            self.assertIn(said, self.works(*words, "--emission", emission, "--half").message)
+            self.assertNotIn("half float", self.works(*words, "--emission", emission).message)
+        self.assertNotIn("half float", self.works(*words, "--half").message)
 
     def test_depths_of_what_is_lit_are_those_of_what_is_not(self):
         sun = [{"kind": "sun", "direction": [1, 0, -1], "radiance": [3, 3, 3]}]
@@ -406,6 +416,14 @@ class Look(support.TestCase):
         scene = self.scene(emission=1, camera=camera)
         self.works("render", scene, "-o", self.path("k_%02d.png"))
         self.assertEqual(len([name for name in self.files() if name.startswith("k_")]), 11)
+        # The same path in a file of its own, also with an orbit; and beside frames that end before.
+        self.path("camera.json").write_text(json.dumps(camera))
+        for more in ((), ("--orbit", "90")):
+            said = self.works("render", self.path("v.npy"), "-o", self.path("c_%02d.png"), "--camera", self.path("camera.json"), *more)
+            self.assertIn("11 pictures from 0 to 0.4 s", said.message)
+        write_npy(self.path("two.npy"), (2, 4, 4, 4), [0.5] * 128)
+        said = self.works("render", self.path("two.npy"), "-o", self.path("t_%02d.png"), "--camera", self.path("camera.json"))
+        self.assertIn("the camera's path goes on until 0.4 s", said.message)
         camera["keys"].reverse()
         self.assertIn("/camera/keys", self.fails(1, "render", self.scene(camera=camera), "-o", self.path("x.png")))
 

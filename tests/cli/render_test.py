@@ -211,6 +211,52 @@ class Render(support.TestCase):
         self.works("render", self.block(), "-o", self.path("x.png"), "--size", "4x4", "--colormap", "viridis")
         self.assertIn("RGB", self.fails(2, "render", self.make_volute(channels=3), "-o", self.path("y.png"), "--colormap",
                                         "inferno"))
+        self.assertIn("light on it", self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--preset", "smoke",
+                                                "--colormap", "inferno"))
+
+    def test_what_has_no_effect_is_refused_or_told(self):
+        light = ("render", self.block(), "-o", self.path("x.exr"), "--size", "4x4")
+        for words, said in ((("--exposure", "5"), "--exposure has no effect: a .exr"), (("--tone", "agx"), "--tone has no effect"),
+                            (("--background=-1,0,0",), "--background: radiance is 0 or more")):
+            self.assertIn(said, self.fails(2, *light, *words))
+        self.assertIn("--by-pieces has no effect: there is one process", self.works(*light, "--by-pieces").message)
+        scene = {"format": "volute-scene-2", "camera": {"eye": [0.5, -3, 0.5], "target": [0.5, 0.5, 0.5], "fov": 30, "size": [4, 4]},
+                 "media": [{"kind": "volume", "file": "block.npy"}]}
+        self.path("s.json").write_text(json.dumps(scene))
+        stills = ("render", self.path("s.json"), "-o", self.path("s_%d.png"))
+        self.assertIn("--speed has no effect", self.fails(2, *stills, "--speed", "5"))
+        self.assertIn('"fps" of a volume', self.fails(2, *stills, "--fps", "50"))
+        self.works("render", self.path("block.npy"), "-o", self.path("s_%d.png"), "--size", "4x4", "--fps", "50")
+
+    def test_frames_that_a_film_leaves_out_are_told(self):
+        """The longest sequence leads, whatever the order; uneven times are told."""
+        write_npy(self.path("long.npy"), (6, 4, 4, 4), [0.5] * 384)
+        media = [{"kind": "volume", "file": "block.npy", "time": {"offset": 0.01}}, {"kind": "volume", "file": "long.npy"},
+                 {"kind": "volume", "file": "one.npy"}]
+        self.block()
+        write_npy(self.path("one.npy"), (4, 4, 4), [0.5] * 64)
+        for i in range(3):
+            self.path("s.json").write_text(json.dumps({"format": "volute-scene-2", "media": media[i:] + media[:i]}))
+            said = self.works("render", self.path("s.json"), "-o", self.path("x.mp4"), "--size", "4x4").message
+            self.assertIn("6 pictures from 0 to 0.2 s", said)
+            self.assertIn("3 of the 3 frames of", said)
+        for number in (1, 2, 100):
+            write_npy(self.path(f"u_{number:04d}.npy"), (4, 4, 4), [0.5] * 64)
+        said = self.works("render", self.path("u_%04d.npy"), "-o", self.path("x.mp4"), "--size", "4x4").message
+        self.assertIn("its frames are 0.04 to 3.92 s apart; the film shows each of them for 1.98 s", said)
+
+    def test_a_gltf_s_camera_has_a_shape(self):
+        gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"camera": 0, "translation": [0.5, 0.5, 4]}],
+                "cameras": [{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1, "aspectRatio": 2}}]}
+        self.path("c.gltf").write_text(json.dumps(gltf))
+        words = ("render", self.block(), "-o", self.path("x.exr"), "--camera", self.path("c.gltf"))
+        self.assertNotIn("as wide as high", self.works(*words).message)
+        self.assertEqual(self.works("info", self.path("x.exr"), "--json").json["size"], [800, 400])
+        self.assertIn("2 times as wide as high, this one is 1 times", self.works(*words, "--size", "8x8").message)
+
+    def test_layers_say_what_they_are(self):
+        self.works("render", self.block(), "-o", self.path("x.exr"), "--size", "4x4", "--aov", "z,transmittance", measured=False)
+        self.assertIn(b"z, transmittance", self.path("x.exr").read_bytes())
 
     def test_values_that_are_not_finite_are_refused(self):
         write_npy(self.path("bad.npy"), (1, 1, 1, 2), [0, math.nan])

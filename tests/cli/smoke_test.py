@@ -540,6 +540,9 @@ class Metadata(SmokeCase):
         self.works("render", scene, "-o", self.path("legend.png"), "--exposure", "1", "--legend")
         found = self.works("compare", self.path("plain.png"), self.path("legend.png"), "--json").json
         self.assertGreater(found["max_error"], 0.5)
+        for more in (("--exposure", "0.3"), ("--tone", "agx"), ("--bloom", "0.8"), ("--samples", "4"), ("--background", "1,0,0")):
+            self.assertIn(more[0], self.fails(2, "render", self.path("slab.vtu"), "-o", self.path("x.png"), *Contours.CASE,
+                                              "--slice", "z=0.1", *more))
         for more in (("--legend",), ("--bloom", "0.2"), ("--colormap", "viridis")):
             self.assertIn(f"{more[0]} has no effect: a .exr holds light", self.fails(2, "render", scene, "-o", self.path("x.exr"), *more))
 
