@@ -121,6 +121,21 @@ class Scene(support.TestCase):
         view = ("--eye", "0.5,-3,0.5", "--target", "0.5,0.5,0.5", "--ortho", "0.5")
         self.works("render", self.write(), "-o", self.path("x.png"), *view, "--up", "1,0,0")
 
+    def test_members_of_a_volume_that_change_nothing_are_told(self):
+        write_npy(self.path("one.npy"), (4, 4, 4), [0.25] * 64)
+        self.scene["media"][0] |= {"file": "one.npy", "emission": 1, "fps": 50, "time": {"offset": 3}, "velocity_scale": 2,
+                                   "color_field": "none"}
+        said = self.works("render", self.write(), "-o", self.path("x.exr")).message
+        for member, why in (("fps", "the file has one frame"), ("time", "the file has one frame"),
+                            ("velocity_scale", "the file has one frame"), ("color_field", "there is no albedo")):
+            self.assertIn(f"/media/0/{member} has no effect: {why}", said)
+        self.assertNotIn("/media/0/emission", said)
+        self.scene["media"][0] = {"kind": "volume", "file": "block.npy", "emission": 1, "fps": 50,
+                                  "transfer": {}}
+        said = self.works("render", self.write(), "-o", self.path("x.exr")).message
+        self.assertIn("/media/0/emission has no effect: transfer says", said)
+        self.assertNotIn("fps", said)
+
     def test_the_basis_is_the_scene_s_unless_the_command_line_says_another(self):
         write_npy(self.path("block.npy"), (4, 4, 4), [x for _ in range(16) for x in range(4)])
         self.scene["camera"] |= {"ortho": 1e-7, "eye": [0.45, -3, 0.5], "target": [0.45, 0.5, 0.5]}

@@ -69,6 +69,7 @@ class Usage(support.TestCase):
                             (("--cache", "none", "--cache-size", "1M"), "--cache-size has no effect with --cache none")):
             self.assertIn(said, self.fails(2, *picture, *words))
         self.works(*picture, "--fps", "10")
+        self.assertIn("--peers has no effect: it is for codec", self.fails(2, "bench", "light", "--peers", self.path("none")))
 
     def test_wrong_usage_is_exit_2(self):
         for words in (["info"], ["compress"], ["extract", "a.volute"],
