@@ -838,9 +838,9 @@ time.sleep(float(sys.argv[2]))
             shown = volute.picture(source, 0.2, size=(60, 48), exposure=2, tone="agx", samples=4, bloom=0.1, background=np.array([0.1, 0.2, 0.3]),
                                    emission=np.float64(0.4))
             self.assert_pixels(shown, self.path / "shown.png")
-        self.command("render", self.file, "-o", self.path / "puff.png", *view, "--colormap", "inferno")
+        self.command("render", self.file, "-o", self.path / "puff.png", *view, "--colormap", "inferno", "--preset", "none")
         for source in (self.file, volute.open(self.file)):
-            self.assert_pixels(volute.picture(source, size=(60, 48), colormap="inferno"), self.path / "puff.png")
+            self.assert_pixels(volute.picture(source, size=(60, 48), colormap="inferno", preset="none"), self.path / "puff.png")
 
     def test_depths_are_those_of_the_command(self):
         """They were 0 where nothing said an extinction."""

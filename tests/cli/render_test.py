@@ -211,8 +211,9 @@ class Render(support.TestCase):
         self.works("render", self.block(), "-o", self.path("x.png"), "--size", "4x4", "--colormap", "viridis")
         self.assertIn("RGB", self.fails(2, "render", self.make_volute(channels=3), "-o", self.path("y.png"), "--colormap",
                                         "inferno"))
-        self.assertIn("light on it", self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--preset", "smoke",
-                                                "--colormap", "inferno"))
+        said = self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--preset", "smoke", "--colormap", "inferno")
+        self.assertIn("light on it", said)
+        self.assertIn("--preset none", said)
 
     def test_what_has_no_effect_is_refused_or_told(self):
         light = ("render", self.block(), "-o", self.path("x.exr"), "--size", "4x4")

@@ -232,11 +232,15 @@ Result<Development> developmentOf(const RenderRequest& request, const FilmJob& j
   for (const auto& medium : job.scene.media()) {
     if (medium->info().channels == 1)
       continue;
-    return failFor("colormap", ErrorCode::kInvalidArgument,
-                   "is for volumes with one channel and for optical depths; {}",
-                   medium->info().measured
-                       ? "this shows " + medium->info().kind
-                       : "this one is RGB: its values, its flames or the light on it have colours");
+    auto failed =
+        failFor("colormap", ErrorCode::kInvalidArgument,
+                "is for volumes with one channel and for optical depths; {}",
+                medium->info().measured
+                    ? "this shows " + medium->info().kind
+                    : "this one is RGB: its values, its flames or the light on it have colours");
+    if (!job.scene.isFile() && medium->info().kind == "volume")
+      failed.value().hints = {Hint::set("preset", "none").so("shows the values of one channel")};
+    return failed;
   }
   if (!job.scene.geometry().empty()) {
     return failFor("colormap", ErrorCode::kInvalidArgument,
