@@ -214,6 +214,14 @@ class Render(support.TestCase):
         said = self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--preset", "smoke", "--colormap", "inferno")
         self.assertIn("light on it", said)
         self.assertIn("--preset none", said)
+        for words in (("--bloom", "0.9"), ("--tone", "agx"), ("--background", "1,0,0")):
+            self.assertIn(words[0], self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--size", "4x4",
+                                               "--preset", "none", "--colormap", "viridis", *words))
+        # Layers of a preset are of its extinction.
+        depths = [self.works("render", self.path("block.npy"), "-o", self.path("d.exr"), "--size", "4x4", "--preset", "smoke", "--aov",
+                             "optical-depth", *more, measured=False) and
+                  self.works("info", self.path("d.exr"), "--json").json["maximum"] for more in ((), ("--extinction", "1"))]
+        self.assertGreater(depths[0], 2 * depths[1])
 
     def test_what_has_no_effect_is_refused_or_told(self):
         light = ("render", self.block(), "-o", self.path("x.exr"), "--size", "4x4")
@@ -241,6 +249,8 @@ class Render(support.TestCase):
             said = self.works("render", self.path("s.json"), "-o", self.path("x.mp4"), "--size", "4x4").message
             self.assertIn("6 pictures from 0 to 0.2 s", said)
             self.assertIn("3 of the 3 frames of", said)
+        said = self.works("render", self.path("long.npy"), "-o", self.path("x.mp4"), "--size", "4x4", "--frames", "0:50").message
+        self.assertIn("its frames end with 5; frames 0:50 reach beyond", said)
         for number in (1, 2, 100):
             write_npy(self.path(f"u_{number:04d}.npy"), (4, 4, 4), [0.5] * 64)
         said = self.works("render", self.path("u_%04d.npy"), "-o", self.path("x.mp4"), "--size", "4x4").message

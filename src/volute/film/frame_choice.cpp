@@ -241,6 +241,13 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
     tellOfOthers(scene, *leader, request, progress);
   const FrameRange range = request.frames.value_or(FrameRange{});
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
+  if (range.end && *range.end > info.frameScale.frame(info.numbers.back()) + 1) {
+    progress.remark(
+        Remark{RemarkCode::kLeftOut,
+               fmt::format("{}: its frames end with {}; frames {} reach beyond", info.file,
+                           frameText(info.numbers.back(), info.frameScale), toString(range))}
+            .in(info.file));
+  }
   if (film && info.interpolates && range.step > 1) {
     return failFor("frames", ErrorCode::kInvalidArgument,
                    "a film of {} has {:g} pictures a second between the first and the last "

@@ -123,7 +123,9 @@ void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions
   if (use.moves && !options.members->contains("interpolate") &&
       mediumKindOf(path, true)->fields().find("interpolate"))
     (*options.members)["interpolate"] = "auto";
-  if (!use.depth || options.members->contains("extinction"))
+  // A preset that is asked for has an extinction of its own.
+  const bool preset = options.members->value("preset", "none") != "none";
+  if (!use.depth || preset || options.members->contains("extinction"))
     return;
   // Fire does not absorb by default; an optical depth of nothing would say nothing.
   if (mediumKindOf(path, true)->fields().find("extinction"))
@@ -227,8 +229,18 @@ Result<Development> developmentOf(const RenderRequest& request, const FilmJob& j
   Development development;
   development.style = styleOf(request, job);
   development.colorMap = request.colors;
+  for (const auto& [name, given] :
+       {std::pair("bloom", request.bloom > 0), std::pair("tone", request.tone || request.view)}) {
+    if (request.colors && given)
+      return failFor(name, ErrorCode::kInvalidArgument,
+                     "has no effect on a colour map, whose colours are values: leave it out");
+  }
   if (!request.colors || job.options.aov != Aov::kNone)
     return development;
+  if (request.background.value_or(Rgb::Zero()).maxCoeff() > 0) {
+    return failFor("background", ErrorCode::kInvalidArgument,
+                   "would count as a value that the colour map shows: leave it out");
+  }
   for (const auto& medium : job.scene.media()) {
     if (medium->info().channels == 1)
       continue;
