@@ -56,6 +56,9 @@ struct FilmInfo {
   double framesPerSecond = 0;
   bool interlaced = false;  ///< its frames are two fields, of two times
   int otherStreams = 0;     ///< of video, besides the one that is read
+  int turned = 0;  ///< its pictures are stored otherwise than they are to be shown, and were
+                   ///< turned clockwise by so many degrees
+  double pixelAspect = 1;  ///< width of a pixel / its height, after turning
 };
 
 /// Decodes one film with libav; what a plug-in offers to FilmReader, which runs it in a child

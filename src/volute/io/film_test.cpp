@@ -67,6 +67,58 @@ TEST(Film, InterlacedOnesAreKnown) {
   }
 }
 
+TEST(Film, PixelsThatAreNotSquareAreKnown) {
+  const TempFolder folder;
+  writeBytes(folder / "a.y4m",
+             "YUV4MPEG2 W16 H16 F25:1 A2:1 C420jpeg\nFRAME\n" + std::string(16 * 16 * 3 / 2, 'x'));
+  ASSERT_VALUE(const auto film, FilmReader::open(folder / "a.y4m"));
+  EXPECT_EQ(film.info().pixelAspect, 2);
+}
+
+/// The matrix of the track, by which its pictures are to be shown (ISO/IEC 14496-12, 8.3.2).
+void setMatrix(const std::filesystem::path& film, const std::array<int, 4>& abcd) {
+  std::string bytes = readBytes(film);
+  const std::size_t matrix = bytes.find("tkhd") + 44;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t at = matrix + 4 * (i < 2 ? i : i + 1);
+    bytes.replace(
+        at, 4, {static_cast<char>(abcd[i] < 0 ? -1 : 0), static_cast<char>(abcd[i]), '\0', '\0'});
+  }
+  writeBytes(film, bytes);
+}
+
+TEST(Film, PicturesAreTurnedAsTheyAreToBeShown) {
+  const TempFolder folder;
+  const auto path = folder / "a.mp4";
+  if (const auto written = writeFilm(path, 48, 32); !written)
+    GTEST_SKIP() << written.error().message;
+  const Image upright = makeFrame(48, 32, 0);
+  for (const auto& [abcd, turned] :
+       {std::pair(std::array{1, 0, 0, 1}, 0), std::pair(std::array{0, 1, -1, 0}, 90),
+        std::pair(std::array{-1, 0, 0, -1}, 180), std::pair(std::array{0, -1, 1, 0}, 270)}) {
+    setMatrix(path, abcd);
+    ASSERT_VALUE(auto film, FilmReader::open(path));
+    EXPECT_EQ(film.info().turned, turned);
+    EXPECT_EQ(film.info().width, turned % 180 == 0 ? 48 : 32);
+    ASSERT_VALUE(const auto shown, film.next());
+    Image back(48, 32);
+    for (int y = 0; y < 32; ++y) {
+      for (int x = 0; x < 48; ++x) {
+        for (int c = 0; c < 3; ++c)
+          back.at(x, y, c) = turned == 0     ? shown->at(x, y, c)
+                             : turned == 90  ? shown->at(31 - y, x, c)
+                             : turned == 180 ? shown->at(47 - x, 31 - y, c)
+                                             : shown->at(y, 47 - x, c);
+      }
+    }
+    EXPECT_LT(difference(back, upright), 12) << turned;
+  }
+  setMatrix(path, {-1, 0, 0, 1});
+  const auto mirrored = FilmReader::open(path);
+  ASSERT_FALSE(mirrored);
+  EXPECT_THAT(mirrored.error().message, HasSubstr("are to be shown mirrored"));
+}
+
 class Films : public ::testing::TestWithParam<const char*> {};
 
 /// Eight levels of 8 bits over 960 pixels: bands of 120 pixels where nothing dithers, and more

@@ -17,6 +17,9 @@ namespace volute {
 /// How a .png says that it stores light: "sRGB", "gAMA 1", "an ICC profile", "cICP 1, 13"; empty:
 /// it does not.
 [[nodiscard]] Result<std::string> readPngColorName(const std::filesystem::path& path);
+
+/// How many pictures a .png shows one after the other: 1 but for an animation (APNG).
+[[nodiscard]] Result<int> countPngPictures(const std::filesystem::path& path);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
 [[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);

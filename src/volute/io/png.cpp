@@ -39,6 +39,7 @@ struct PngState {
   bool keepAlpha = false;  // as the last channel, if there is one
   bool hasAlpha = false;
   int orientation = 1;  // as EXIF counts
+  int pictures = 1;     // of an animation (acTL)
   // Of pictures whose pixels are indices: RGBA of each; libpng takes what is beyond it for black.
   std::vector<std::array<png_byte, 4>> palette;
   // What it states of its colors.
@@ -83,6 +84,10 @@ void readColor(png_structp png, png_infop info, PngState& state) {
   for (int i = 0, n = png_get_unknown_chunks(png, info, &chunks); i < n; ++i) {
     if (std::memcmp(chunks[i].name, "cICP", 4) == 0 && chunks[i].size == 4)
       state.codePoints = {chunks[i].data[0], chunks[i].data[1]};
+    if (std::memcmp(chunks[i].name, "acTL", 4) == 0 && chunks[i].size == 8)
+      state.pictures = chunks[i].data[0] != 0 || chunks[i].data[1] != 0
+                           ? 65536
+                           : 256 * chunks[i].data[2] + chunks[i].data[3];
   }
   png_charp name = nullptr;
   png_bytep profile = nullptr;
@@ -191,7 +196,7 @@ bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_set_read_fn(png, &state, onRead);
   png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_ALWAYS,
-                              reinterpret_cast<png_const_bytep>("cICP"), 1);
+                              reinterpret_cast<png_const_bytep>("cICP\0acTL"), 2);
   png_read_info(png, info);
   readColor(png, info, state);
   png_bytep exif = nullptr;
@@ -393,6 +398,13 @@ Result<std::string> readPngColorName(const std::filesystem::path& path) {
   if (!state.profile.empty())
     return "an ICC profile";
   return state.gamma > 0 ? fmt::format("gAMA {:.4g}", state.gamma) : "";
+}
+
+Result<int> countPngPictures(const std::filesystem::path& path) {
+  PngState state;
+  state.headerOnly = true;
+  VOLUTE_TRY(readPngFile(path, {}, state));
+  return state.pictures;
 }
 
 Result<int> readPngBits(const std::filesystem::path& path) {

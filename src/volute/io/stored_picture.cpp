@@ -16,6 +16,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_formats.hpp"
 #include "volute/io/npy_header.hpp"
 #include "volute/io/number_file.hpp"
@@ -124,6 +125,7 @@ struct PnmHeader {
   int width = 0, height = 0, channels = 1;
   bool text = false, floats = false, bigEndian = true;
   double largest = 255;
+  double scale = 1;       ///< of floats
   std::size_t begin = 0;  ///< of the values [bytes]
 };
 
@@ -179,6 +181,7 @@ Result<PnmHeader> readPnmHeader(std::string_view front, const std::string& name)
       return fail(ErrorCode::kInvalidData, "{}: its scale '{}' is not a number other than 0", name,
                   last.substr(0, 20));
     header.bigEndian = scale > 0;
+    header.scale = std::abs(scale);
     return header;
   }
   int largest = 0;
@@ -339,6 +342,71 @@ Result<StoredPicture> readPictureArray(const std::filesystem::path& path, std::u
   return picture;
 }
 
+/// What of a .pfm's head is not applied; what is wrong with it is told when it is read.
+std::vector<Remark> remarksOfPfm(const std::filesystem::path& path) {
+  constexpr std::uint64_t kFront = 4096;
+  const auto file = InputFile::open(path);
+  std::string front(file ? std::min(file->size(), kFront) : 0, '\0');
+  if (!file || !file->read(0, std::as_writable_bytes(std::span(front))))
+    return {};
+  const auto header = readPnmHeader(front, path.string());
+  if (!header || header->scale == 1)
+    return {};
+  return {
+      {RemarkCode::kLeftOut, fmt::format("pictures state a scale of {:g} (.pfm), by which their "
+                                         "values are not multiplied",
+                                         header->scale)}};
+}
+
+/// Where a .exr has pixels; empty: everywhere.
+Result<std::vector<std::uint8_t>> pixelsThere(const std::filesystem::path& path,
+                                              const Image& image) {
+  VOLUTE_ASSIGN(const FrameInfo info, readFrameInfo(path));
+  const PixelWindow &data = info.parts[0].data, &display = info.parts[0].display;
+  const auto covers = [&](int x, int y) {
+    return data.contains(display.left + x, display.top + y);
+  };
+  if (covers(0, 0) && covers(image.width - 1, image.height - 1))
+    return std::vector<std::uint8_t>();
+  std::vector<std::uint8_t> there;
+  there.reserve(std::size_t(image.width) * image.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) there.push_back(covers(x, y) ? 1 : 0);
+  return there;
+}
+
+/// What of a .exr's head is not taken as it stands.
+Result<std::vector<Remark>> remarksOfExr(const std::filesystem::path& path) {
+  VOLUTE_ASSIGN(const FrameInfo info, readFrameInfo(path));
+  std::vector<Remark> remarks;
+  if (info.parts.size() != 1)
+    return remarks;  // which is an error when it is read
+  const FramePart& part = info.parts[0];
+  const auto toSrgb = srgbFromPrimaries(part);
+  if (toSrgb && *toSrgb)
+    remarks.emplace_back(RemarkCode::kChanged,
+                         "pictures state other primaries than sRGB's (.exr chromaticities): their "
+                         "channels are mixed to those of sRGB, and are no longer the camera's own");
+  if (part.pixelAspect != 1)
+    remarks.emplace_back(RemarkCode::kAssumed,
+                         fmt::format("pictures state pixels {:.4g} times as wide as high (.exr): "
+                                     "they are taken as stored, and the calibration to be of such "
+                                     "pictures",
+                                     part.pixelAspect));
+  const PixelWindow &data = part.data, &display = part.display;
+  const double width = std::min(data.right, display.right) - std::max(data.left, display.left),
+               height = std::min(data.bottom, display.bottom) - std::max(data.top, display.top);
+  const double all = static_cast<double>(display.width()) * display.height();
+  const double held = std::max(width, 0.0) * std::max(height, 0.0);
+  if (held < all)
+    remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("pictures hold nothing for {:.0f} % of their pixels (.exr data "
+                    "window); these do not count",
+                    100 * (1 - held / all)));
+  return remarks;
+}
+
 bool isTiff(const std::string& extension) {
   return extension == ".tif" || extension == ".tiff";
 }
@@ -378,7 +446,9 @@ Result<StoredPicture> readStoredPicture(const std::filesystem::path& path, std::
   VOLUTE_ASSIGN(picture.image, readImage(path, options));
   VOLUTE_ASSIGN(picture.alpha, readAlpha(path, options));
   picture.linear = extension == ".exr";
-  if (!picture.linear) {
+  if (picture.linear) {
+    VOLUTE_ASSIGN(picture.there, pixelsThere(path, picture.image));
+  } else {
     VOLUTE_ASSIGN(picture.curve, readStoredCurve(path));
   }
   return picture;
@@ -401,9 +471,21 @@ Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t
     // Curve 8 of H.273 is linear.
     kind.statesLight = kind.stated == "gAMA 1" ||
                        (kind.stated.starts_with("cICP") && kind.stated.ends_with(", 8"));
+    VOLUTE_ASSIGN(const int pictures, countPngPictures(path));
+    if (pictures > 1)
+      kind.remarks.emplace_back(
+          RemarkCode::kLeftOut,
+          fmt::format("a .png is an animation of {} pictures, of which the first counts",
+                      pictures));
     return kind;
   }
-  return PictureKind{extension == ".exr" || extension == ".pfm"};
+  PictureKind kind{extension == ".exr" || extension == ".pfm"};
+  if (extension == ".pfm")
+    kind.remarks = remarksOfPfm(path);
+  if (extension == ".exr") {
+    VOLUTE_ASSIGN(kind.remarks, remarksOfExr(path));
+  }
+  return kind;
 }
 
 }  // namespace volute

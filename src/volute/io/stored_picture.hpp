@@ -2,11 +2,13 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/image/image.hpp"
 
@@ -21,6 +23,9 @@ struct StoredPicture {
   /// The light of evenly spaced stored values, 0 to 1, where the file states another curve than
   /// sRGB's.
   std::optional<std::vector<double>> curve{};
+  /// Each pixel; 0: the file holds nothing for it (outside of a .exr's data window). Empty: it has
+  /// all.
+  std::vector<std::uint8_t> there{};
 };
 
 /// What is known of pictures before they are decoded.
@@ -29,6 +34,7 @@ struct PictureKind {
   int pages = 1;             ///< pictures in the file: pages of a .tif
   std::string stated{};      ///< how a .png says that it stores light: "sRGB", "gAMA 1"; or empty
   bool statesLight = false;  ///< that is linear light
+  std::vector<Remark> remarks{};  ///< what is not taken as the file says it
 };
 
 /// Reads a picture of a camera: .png and .exr; .tif (unsigned integers of 1 to 16 or of 32 bits, or

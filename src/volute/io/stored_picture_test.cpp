@@ -12,6 +12,7 @@
 #include <tiffio.h>
 #endif
 
+#include "volute/io/frame_file.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/testing.hpp"
 
@@ -60,6 +61,38 @@ TEST(StoredPicture, FloatsOfNetpbmStandOnTheirHead) {
   EXPECT_THAT(read.image.pixels, ::testing::ElementsAre(1, 2, 3, 4));
   EXPECT_TRUE(read.linear);
   EXPECT_TRUE(pictureKind(folder / "a.pfm", kMemory)->linear);
+}
+
+TEST(StoredPicture, WhatHeadsSayAndIsNotAppliedIsTold) {
+  const TempFolder folder;
+  const auto told = [&](const char* name) {
+    const auto kind = pictureKind(folder / name, kMemory);
+    std::string all;
+    for (const Remark& remark : kind->remarks) all += remark.sentence + "\n";
+    return all;
+  };
+  for (const auto& [scale, said] : {std::pair("-1.0", ""), std::pair("-1000", "a scale of 1000")}) {
+    writeBytes(folder / "a.pfm", fmt::format("Pf\n1 1\n{}\n", scale) + std::string(4, '\0'));
+    EXPECT_THAT(told("a.pfm"), HasSubstr(said));
+    EXPECT_EQ(told("a.pfm").empty(), std::string_view(said).empty());
+  }
+  FramePixels frame{.color = Image(2, 2)};
+  frame.part = {{1, 0, 3, 2}, {0, 0, 4, 2}, 2};
+  std::ranges::fill(frame.color.pixels, 1.0F);
+  ASSERT_TRUE(ok(writeFrame(folder / "a.exr", frame)));
+  EXPECT_THAT(told("a.exr"), HasSubstr("2 times as wide as high"));
+  EXPECT_THAT(told("a.exr"), HasSubstr("hold nothing for 50 % of their pixels"));
+  ASSERT_VALUE(const auto read, readStoredPicture(folder / "a.exr", kMemory));
+  EXPECT_EQ(read.there, (std::vector<std::uint8_t>{0, 1, 1, 0, 0, 1, 1, 0}));
+  ASSERT_TRUE(ok(writeImage(folder / "a.png", Image(2, 2))));
+  EXPECT_EQ(told("a.png"), "");
+  // An acTL chunk with its checksum, of three pictures, before the first IDAT.
+  std::string bytes = readBytes(folder / "a.png");
+  bytes.insert(bytes.find("IDAT") - 4, std::string("\0\0\0\x08"
+                                                   "acTL\0\0\0\3\0\0\0\0\xce\xed\xba\xc0",
+                                                   20));
+  writeBytes(folder / "a.png", bytes);
+  EXPECT_THAT(told("a.png"), HasSubstr("an animation of 3 pictures"));
 }
 
 TEST(StoredPicture, DamagedNetpbmIsRefused) {

@@ -3,6 +3,7 @@
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
+#include <libavutil/display.h>
 #include <libavutil/opt.h>
 #include <libavutil/pixdesc.h>
 #include <libswscale/swscale.h>
@@ -10,6 +11,7 @@ extern "C" {
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -395,10 +397,17 @@ class AvFilmDecoder final : public FilmDecoder {
     VOLUTE_TRY(check(avcodec_open2(codec_.get(), codec, nullptr)));
     const AVRational rate = av_guess_frame_rate(input, input->streams[stream_], nullptr);
     const auto order = stream->codecpar->field_order;
-    info_ = {.width = codec_->width,
-             .height = codec_->height,
+    stored_ = {codec_->width, codec_->height};
+    VOLUTE_ASSIGN(const int turned, turnOf(*stream));
+    const bool onItsSide = turned % 180 != 0;
+    const AVRational pixel = av_guess_sample_aspect_ratio(input, input->streams[stream_], nullptr);
+    const double aspect = pixel.num > 0 && pixel.den > 0 ? av_q2d(pixel) : 1;
+    info_ = {.width = stored_[onItsSide ? 1 : 0],
+             .height = stored_[onItsSide ? 0 : 1],
              .framesPerSecond = rate.den > 0 ? av_q2d(rate) : 0,
-             .interlaced = order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE};
+             .interlaced = order != AV_FIELD_UNKNOWN && order != AV_FIELD_PROGRESSIVE,
+             .turned = turned,
+             .pixelAspect = onItsSide ? 1 / aspect : aspect};
     for (unsigned i = 0; i < input->nb_streams; ++i) {
       const AVStream& other = *input->streams[i];
       info_.otherStreams += static_cast<int>(i) != stream_ &&
@@ -446,6 +455,36 @@ class AvFilmDecoder final : public FilmDecoder {
     return fail(ErrorCode::kInvalidData, "{}: cannot decode the film: {}", name_, reason(code));
   }
 
+  /// By how many degrees, clockwise, pictures are to be turned that are shown as the film says.
+  Result<int> turnOf(const AVStream& stream) const {
+#if LIBAVFORMAT_VERSION_MAJOR >= 61
+    const AVPacketSideData* data =
+        av_packet_side_data_get(stream.codecpar->coded_side_data,
+                                stream.codecpar->nb_coded_side_data, AV_PKT_DATA_DISPLAYMATRIX);
+    const std::uint8_t* bytes = data ? data->data : nullptr;
+    const std::size_t size = data ? data->size : 0;
+#else
+    std::size_t size = 0;
+    const std::uint8_t* bytes = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
+#endif
+    std::array<std::int32_t, 9> matrix{};
+    if (!bytes || size < sizeof matrix)
+      return 0;
+    std::memcpy(matrix.data(), bytes, sizeof matrix);
+    const double angle = av_display_rotation_get(matrix.data());
+    const double turns = std::round(-angle / 90);
+    const bool mirrored =
+        static_cast<double>(matrix[0]) * matrix[4] < static_cast<double>(matrix[1]) * matrix[3];
+    if (mirrored || !(std::abs(-angle - 90 * turns) < 1)) {
+      return fail(
+          ErrorCode::kUnsupported,
+          "{}: its pictures are to be shown mirrored, or turned by other than right angles; "
+          "expected upright pictures: write it again as it is shown",
+          name_);
+    }
+    return (static_cast<int>(turns) + 4) % 4 * 90;
+  }
+
   /// packet_ becomes the next one of the film's stream; false after the last.
   Result<bool> nextPacket() {
     for (;;) {
@@ -468,7 +507,7 @@ class AvFilmDecoder final : public FilmDecoder {
   }
 
   Status convert(std::span<float> pixels) {
-    if (frame_->width != info_.width || frame_->height != info_.height) {
+    if (frame_->width != stored_[0] || frame_->height != stored_[1]) {
       return fail(ErrorCode::kUnsupported, "{}: the size of the frames changes within the film",
                   name_);
     }
@@ -486,25 +525,45 @@ class AvFilmDecoder final : public FilmDecoder {
     sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
                              1, 0, 1 << 16, 1 << 16);
     if (!rgb_ || rgb_->format != rgb)
-      rgb_ = makeFrame(rgb, info_.width, info_.height);
+      rgb_ = makeFrame(rgb, stored_[0], stored_[1]);
     if (!rgb_)
       return fail(ErrorCode::kTooLarge, "{}: no memory to decode it", name_);
-    VOLUTE_TRY(check(sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, info_.height,
+    VOLUTE_TRY(check(sws_scale(scaler_.get(), frame_->data, frame_->linesize, 0, stored_[1],
                                rgb_->data, rgb_->linesize)));
     deep ? lightOf<std::uint16_t>(pixels) : lightOf<std::uint8_t>(pixels);
+    if (info_.turned != 0)
+      turn(pixels);
     return {};
+  }
+
+  void turn(std::span<float> pixels) const {
+    const std::vector<float> from(pixels.begin(), pixels.end());
+    const int width = stored_[0], height = stored_[1];
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const int toX = info_.turned == 90    ? height - 1 - y
+                        : info_.turned == 180 ? width - 1 - x
+                                              : y;
+        const int toY = info_.turned == 90    ? x
+                        : info_.turned == 180 ? height - 1 - y
+                                              : width - 1 - x;
+        std::copy_n(&from[3 * (std::size_t(y) * width + x)], 3,
+                    &pixels[3 * (std::size_t(toY) * info_.width + toX)]);
+      }
+    }
   }
 
   template <class Value>
   void lightOf(std::span<float> pixels) const {
-    for (int y = 0; y < info_.height; ++y) {
+    const int width = stored_[0];
+    for (int y = 0; y < stored_[1]; ++y) {
       const auto* from =
           reinterpret_cast<const Value*>(rgb_->data[0] + std::ptrdiff_t{y} * rgb_->linesize[0]);
-      float* to = &pixels[std::size_t{3} * info_.width * y];
-      for (int i = 0; i < 3 * info_.width; ++i) to[i] = linear_[from[i]];
+      float* to = &pixels[std::size_t{3} * width * y];
+      for (int i = 0; i < 3 * width; ++i) to[i] = linear_[from[i]];
       if (!toSrgb_)
         continue;
-      for (int x = 0; x < info_.width; ++x, to += 3) {
+      for (int x = 0; x < width; ++x, to += 3) {
         const Vec3 light = *toSrgb_ * Vec3(to[0], to[1], to[2]);
         for (int c = 0; c < 3; ++c) to[c] = static_cast<float>(std::max(light[c], 0.0));
       }
@@ -570,6 +629,7 @@ class AvFilmDecoder final : public FilmDecoder {
 
   std::string name_;
   FilmInfo info_;
+  std::array<int, 2> stored_{};  ///< width and height before turning [pixels]
   InputPtr input_;
   int stream_ = -1;
   CodecPtr codec_;
