@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "scene_bridge.hpp"
-#include "volute/capture/geometry_check.hpp"
+#include "volute/capture/capture_check.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/settings_check.hpp"
 #include "volute/tomography/soot_frames.hpp"
 #include "volute/volume_files/volume_writer.hpp"
 
@@ -71,16 +72,6 @@ CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) 
   return options;
 }
 
-Status checkGeometryOf(const Capture& capture, bool force, Progress& progress) {
-  for (const GeometryFault& fault : checkGeometry(capture)) {
-    if (!force)
-      return fail(ErrorCode::kInvalidData, "{}: {} (force=True goes on)", capture.file.string(),
-                  fault.message);
-    progress.remark("warning: " + fault.message);
-  }
-  return {};
-}
-
 /// Values of shape (t, z, y, x, c) where `output` is empty; else a .volute file is written.
 py::tuple reconstructCapture(const std::string& path, const std::string& output, double rms,
                              const std::string& optionsJson, std::uint64_t maxMemory,
@@ -92,15 +83,17 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
     VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
-    for (const auto& remark : given.remarks) progress.remark(remark);
+    remarkOn(given, progress);
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});
     const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
+    VOLUTE_TRY(checkSettings(settings, given));
+    remarkOnUnused(settings, given, progress);
     VOLUTE_TRY(checkVolumeSize({given.volume.bounds, given.volume.resolution}, maxMemory));
     if (settings.flame && (!given.spectrum.stated() || given.measured != Measured::kEmission))
       return fail(ErrorCode::kInvalidArgument,
                   "temperature: {} states no \"spectrum\" of light that the medium sends itself",
                   given.file.string());
-    VOLUTE_TRY(checkGeometryOf(given, settings.force, progress));
+    VOLUTE_TRY(checkCapture(given, heldOut, settings.force, maxMemory, progress));
     const bool refine = said.value("refine", true);
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
                   refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,

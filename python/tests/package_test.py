@@ -1516,6 +1516,21 @@ print("done", flush=True)
         with self.assertRaisesRegex(TypeError, "resolutoin"):
             volute.reconstruct(capture, resolutoin=3)
 
+    def test_reconstruction_tells_what_the_command_tells(self):
+        capture = self.capture()
+        said = json.loads(capture.read_text())
+        said["typo"] = 1
+        said["cameras"][1]["distorsion"] = [0, 0, 0, 0]
+        capture.write_text(json.dumps(said))
+        with self.assertLogs("volute", "WARNING") as told:
+            report = volute.reconstruct(capture, iterations=2, regularization="none").report
+        for key in ("typo", "cameras[1].distorsion"):
+            self.assertTrue(any(f"{key} is not known and ignored" in line for line in told.output), told.output)
+            self.assertIn({"code": "left-out", "sentence": f"{key} is not known and ignored"}, report["capture_remarks"])
+        for options in ({"lambda_": 0.5, "regularization": "none"}, {"sparsity": 0.5, "solver": "mlem"}):
+            with self.assertRaisesRegex(volute.InvalidArgument, "has no effect with the"):
+                volute.reconstruct(capture, **options)
+
     def test_reconstruction_with_error_bars(self):
         capture = self.capture()
         found = volute.reconstruct(capture, iterations=20, regularization="none", error_bars=True)

@@ -59,9 +59,30 @@ class Formats(ring.TestCase):
         self.assertEqual(done.code, 1)
         self.assertRegex(done.text, rf"c2: .*: 1 of {ring.FRAMES} pictures are MISSING")
 
+    def test_info_tells_masks_and_backgrounds(self):
+        self.json.update(kind="absorption", color="linear")
+        self.camera("c1").update(background="empty.exr", mask="north_0010.exr", gain=1.5)
+        self.write_capture()
+        done = support.volute("info", self.path("capture.json"))
+        self.assertEqual(done.code, 1)
+        self.assertRegex(done.text, "measures +absorption")
+        self.assertIn("background empty.exr is MISSING, mask north_0010.exr, linear, gain 1.5", done.text)
+
+    def test_strict_minds_doubts_and_no_conventions(self):
+        words = ("reconstruct", self.path("capture.json"), "-o", self.path("o.npy"), "--frames", "10", "--iterations", 2,
+                 "--regularization", "none", "--refine", "never", "--strict")
+        self.assertIn("pixel centres at 0.5", self.works(*words, "--report", self.path("r.json")).message)
+        self.json["typo"] = 1
+        self.write_capture()
+        self.assertIn("typo is not known and ignored", self.fails(1, *words))
+        self.works(*words[:-1], "--report", self.path("r.json"))
+        report = json.loads(self.path("r.json").read_text())
+        self.assertIn({"code": "left-out", "sentence": "typo is not known and ignored"}, report["capture_remarks"])
+
     def test_pictures_of_several_parts_are_refused(self):
         picture = read_exr(self.path("c2_0010.exr"))
         planes = {"Y": picture.values[::picture.channels]}
+        self.path("c2_0010.exr").unlink()  # which other tests see
         write_parts(self.path("c2_0010.exr"), [Part(picture.width, picture.height, planes, name) for name in ("left", "right")])
         self.assertIn("c2_0010.exr: has 2 parts", self.fails(1, "reconstruct", self.path("capture.json"), "-o", self.path("o.npy"),
                                                              "--frames", "10"))

@@ -35,7 +35,8 @@ class Lines(support.TestCase):
     def test_extinction_comes_out(self):
         self.write()
         result = self.works("reconstruct", self.path("lamps.csv"), "-o", self.path("smoke.volute"), "--bounds", "0,0,0,4,3,2",
-                            "--resolution", 16, "--report", self.path("r.json"), "--json")
+                            "--resolution", 16, "--report", self.path("r.json"), "--stats", self.path("s.json"), "--json")
+        self.assertEqual(json.loads(self.path("s.json").read_text())["residual"], result.json["residual"])
         self.assertEqual((result.json["grid"], result.json["size"]), ("extinction", [16, 12, 8]))
         self.assertLess(result.json["left_out"], 0.15)
         info = self.works("info", self.path("smoke.volute"), "--json").json

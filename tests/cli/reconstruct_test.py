@@ -187,11 +187,12 @@ class Reconstruct(ring.TestCase):
         self.assertIn("--report", self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), "--report",
                                              self.path("r.txt")))
         self.assertIn("x.xyz", self.fails(2, "reconstruct", source, "-o", self.path("x.xyz"), "--iterations", 1))
-        for words, said in ((("--regularization", "none", "--lambda", ".5"), "--lambda has no effect with --regularization none"),
-                            (("--regularization", "smooth", "--sparsity", "50"), "--sparsity has no effect with --regularization smooth"),
-                            (("--solver", "mlem", "--lambda", ".5"), "--lambda has no effect with --solver mlem"),
-                            (("--solver", "mlem", "--temporal", "1"), "--temporal has no effect with --solver mlem"),
-                            (("--temporal", "1", "--frames", "10"), "--temporal has no effect on 1 frame: it needs")):
+        for words, said in ((("--regularization", "none", "--lambda", ".5"), "--lambda: has no effect with the regularization none"),
+                            (("--regularization", "smooth", "--sparsity", "50"), "--sparsity: has no effect with the regularization smooth"),
+                            (("--solver", "mlem", "--lambda", ".5"), "--lambda: has no effect with the solver mlem"),
+                            (("--solver", "mlem", "--temporal", "1"), "--temporal: has no effect with the solver mlem"),
+                            (("--temporal", "1", "--lighting", "single-scattering"), "--temporal: has no effect on a medium that lamps light"),
+                            (("--temporal", "1", "--frames", "10"), "--temporal: has no effect on 1 frame: it needs")):
             self.assertIn(said, self.fails(2, "reconstruct", source, "-o", self.path("x.npy"), *words))
 
 

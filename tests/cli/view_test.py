@@ -4,6 +4,7 @@
 import json
 import os
 
+import ring
 import support
 from support import volute, write_npy
 
@@ -51,6 +52,11 @@ class View(support.TestCase):
             "format": "volute-scene-1", "camera": {"eye": [0.5, -2, 0.5], "target": [0.5, 0.5, 0.5], "fov": 40},
             "media": [{"kind": "volume", "file": "v.npy", "time": {"loop": True}}]}))
         self.assertNotEqual(self.frame(self.path("loop.json"), "--no-panels", "--time", "99"), b"")
+
+    def test_a_capture_has_its_own_rate(self):
+        self.path("capture.json").write_text(json.dumps(ring.capture() | {"frames_per_second": 10}))
+        message = self.fails(2, "view", self.path("capture.json"), "--time", "99", "--screenshot", self.path("s.png"))
+        self.assertIn("4 frames from 0 to 0.3 s", message)
 
     def test_time_0_is_taken_whatever_the_scene_says(self):
         self.volume()

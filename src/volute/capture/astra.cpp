@@ -69,11 +69,12 @@ Result<CaptureDraft> readAstra(const std::filesystem::path& file, const nlohmann
     draft.cameras.push_back(std::move(camera));
   }
   draft.remarks.emplace_back(
+      RemarkCode::kAssumed,
       "lengths of Vectors are taken as metres; ASTRA itself counts in voxels unless told "
       "otherwise");
   for (const std::string& key :
        root.unknownKeys({"type", "DetectorRowCount", "DetectorColCount", "Vectors"}))
-    draft.remarks.push_back(fmt::format("{} is not used", key));
+    draft.remarks.emplace_back(RemarkCode::kLeftOut, fmt::format("{} is not used", key));
   return draft;
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/camera/camera.hpp"
 #include "volute/capture/response.hpp"
 #include "volute/capture/spectrum.hpp"
@@ -128,7 +129,7 @@ struct Capture {
   double white = 1;                  ///< linear radiance of a value of 1
   std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
   std::vector<int> emptyFrames;      ///< frames without the medium, to estimate backgrounds from
-  std::vector<std::string> remarks;  ///< what a person should know: conventions, unknown keys
+  std::vector<Remark> remarks;       ///< what a person should know: conventions, unknown keys
 };
 
 /// The position of a camera; nothing when there is none of that name.

@@ -188,8 +188,16 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
     return fail(read.error().code, read.error().hints, "{}: {}", name, read.error().message);
   stored.linear = read->linear;
   stored.image = std::move(read->image);
+  stored.there = std::move(read->there);
   VOLUTE_TRY(checkSize(camera, stored.image, name));
   turnUp(pictures, stored.image);
+  if (pictures.bottomUp && !stored.there.empty()) {
+    Image there(stored.image.width, stored.image.height, 1);
+    std::ranges::copy(stored.there, there.pixels.begin());
+    turnUp(pictures, there);
+    std::ranges::transform(there.pixels, stored.there.begin(),
+                           [](float is) { return static_cast<std::uint8_t>(is); });
+  }
   // NOLINTNEXTLINE(bugprone-unchecked-optional-access): 'read->' names the same optional
   stored.transparentShare = read->alpha ? shareBelowOne(*read->alpha) : 0;
   if (!stored.linear && stored.transparentShare > 0) {
@@ -328,6 +336,11 @@ Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
   if (!pictures.background.empty()) {
     const std::string name = fmt::format("camera {}, background", capture_->cameras[camera].name);
     VOLUTE_ASSIGN(const auto stored, readFile(camera, pictures.background, name));
+    if (!stored.there.empty())
+      return fail(ErrorCode::kInvalidData,
+                  "{}: {} holds nothing for a part of its pixels (data window); expected a whole "
+                  "picture",
+                  name, pictures.background.string());
     backgrounds_[camera] = linearised(camera, stored);
   } else if (!capture_->emptyFrames.empty()) {
     const auto& frames = capture_->emptyFrames;
@@ -387,7 +400,8 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.mosaic,
             stored.plateau,
             stored.bitsHolding,
-            stored.linear ? std::nullopt : std::optional(stored.response)};
+            stored.linear ? std::nullopt : std::optional(stored.response),
+            stored.there};
   const auto channels = static_cast<std::size_t>(stored.image.channels);
   seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
@@ -424,6 +438,9 @@ Result<CaptureImages::Seen> CaptureImages::readAt(std::size_t camera, int frame)
   for (std::size_t i = 0; i < seen.light.pixels.size(); ++i)
     seen.light.pixels[i] += late * (next.light.pixels[i] - seen.light.pixels[i]);
   for (std::size_t i = 0; i < seen.atLeast.size(); ++i) seen.atLeast[i] |= next.atLeast[i];
+  if (seen.there.empty())
+    seen.there = next.there;
+  for (std::size_t i = 0; i < next.there.size(); ++i) seen.there[i] &= next.there[i];
   seen.transparentShare = std::max(seen.transparentShare, next.transparentShare);
   if (!seen.plateau)
     seen.plateau = next.plateau;
@@ -447,7 +464,7 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   std::size_t masked = 0, saturated = 0;
   for (std::size_t i = 0; i < pixels; ++i) {
     float* light = &picture.radiance.pixels[3 * i];
-    if (!mask.empty() && !mask[i]) {
+    if ((!mask.empty() && !mask[i]) || (!seen.there.empty() && !seen.there[i])) {
       ++masked;
       picture.weight[i] = 0;
       std::fill_n(light, 3, 0.0f);  // whatever stands there, also NaN

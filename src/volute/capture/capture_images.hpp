@@ -70,6 +70,7 @@ class CaptureImages {
     std::optional<StoredPlateau> plateau;
     int bitsHolding = 0;
     bool mosaic = false;
+    std::vector<std::uint8_t> there{};  // of each pixel; 0: the file holds nothing; empty: all
   };
 
   CaptureImages(const Capture& capture, std::uint64_t maxMemory)
@@ -85,7 +86,8 @@ class CaptureImages {
     bool mosaic = false;
     std::optional<StoredPlateau> plateau;
     int bitsHolding = 0;
-    std::optional<Response> response;  // by which it became light; none: floats
+    std::optional<Response> response;   // by which it became light; none: floats
+    std::vector<std::uint8_t> there{};  // see Stored
   };
 
   // `number` is the picture's, `frame` that which it is for: messages name it.

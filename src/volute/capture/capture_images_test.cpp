@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/capture/capture_images.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,6 +13,7 @@
 #include "volute/capture/capture_check.hpp"
 #include "volute/capture/testing.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/frame_file.hpp"
 
 namespace volute {
 namespace {
@@ -21,6 +23,7 @@ using testing::kHeight;
 using testing::kWidth;
 using testing::ok;
 using testing::ringJson;
+using testing::sentences;
 
 class CaptureImagesTest : public ::testing::Test {
  protected:
@@ -113,7 +116,7 @@ TEST_F(CaptureImagesTest, PngFilesMayStateHowTheyStoreLight) {
   ASSERT_VALUE(const auto linear, readPicture(0, 4));
   EXPECT_NEAR(linear.radiance.at(2, 2, 1), 0.25, 1e-4);
   const auto told = [&] {
-    return std::ranges::count_if(capture->remarks, [](const std::string& text) {
+    return std::ranges::count_if(sentences(capture->remarks), [](const std::string& text) {
       return text.find("which counts") != std::string::npos;
     });
   };
@@ -431,6 +434,19 @@ TEST_F(CaptureImagesTest, MasksTakePixelsOut) {
   EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, mask"));
 }
 
+TEST_F(CaptureImagesTest, PixelsThatAFileDoesNotHoldDoNotCount) {
+  FramePixels frame{.color = Image(10, kHeight)};
+  std::ranges::fill(frame.color.pixels, 1.0F);
+  frame.part = {{0, 0, 10, kHeight}, {0, 0, kWidth, kHeight}};
+  ASSERT_TRUE(ok(writeFrame(folder / "f_0004_a.exr", frame)));
+  ASSERT_VALUE(const auto found, readPicture(0, 4));
+  EXPECT_EQ(found.weight[9], 1);
+  EXPECT_EQ(found.weight[10], 0);
+  EXPECT_THAT(
+      testing::sentences(capture->remarks),
+      ::testing::Contains(::testing::HasSubstr("camera a: pictures hold nothing for 58 %")));
+}
+
 TEST_F(CaptureImagesTest, PicturesMayBeginWithTheirLowestRow) {
   Image bright = picture(1), mask = picture(1, 1);
   bright.at(3, 2, 0) = 7;
@@ -482,7 +498,7 @@ TEST_F(CaptureImagesTest, OnePictureForSeveralFramesIsRefused) {
   CaptureOptions one;
   one.frames = {.begin = 5, .end = 6};
   ASSERT_VALUE(const auto chosen, openCapture(folder / "capture.json", one));
-  EXPECT_NE(chosen.remarks.back().find("is taken for frame 5"), std::string::npos);
+  EXPECT_NE(chosen.remarks.back().sentence.find("is taken for frame 5"), std::string::npos);
   json["frames"] = {4};
   ASSERT_VALUE(const auto read, readPicture(1, 4));
   EXPECT_EQ(capture->remarks.size(), 1U) << "of one frame there is nothing to say";

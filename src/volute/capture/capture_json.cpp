@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -274,7 +276,47 @@ class CameraReader {
 void remarkUnknown(const JsonValue& value, std::initializer_list<std::string_view> known,
                    CaptureDraft& draft) {
   for (const auto& key : value.unknownKeys(known))
-    draft.remarks.push_back(fmt::format("{} is not known and ignored", key));
+    draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                               fmt::format("{} is not known and ignored", key));
+}
+
+/// Of an object that is a curve.
+void remarkUnknownOfColor(const JsonValue& value, CaptureDraft& draft) {
+  if (const auto color = value.find("color"))
+    remarkUnknown(*color, {"table"}, draft);
+}
+
+void remarkUnknownOfLamp(const JsonValue& lamp, CaptureDraft& draft) {
+  if (draft.lighting.lamps.back().sun)
+    remarkUnknown(lamp, {"kind", "direction", "radiance"}, draft);
+  else
+    remarkUnknown(lamp, {"kind", "position", "intensity"}, draft);
+}
+
+void remarkUnknownOfSpectrum(const JsonValue& spectrum, CaptureDraft& draft) {
+  if (spectrum.find("lines")) {
+    remarkUnknown(spectrum, {"lines", "scale", "soot_exponent"}, draft);
+    return;
+  }
+  remarkUnknown(spectrum,
+                {"sensitivities", "wavelengths", "black_body", "radiance_scale", "soot_exponent"},
+                draft);
+  if (const auto body = spectrum.find("black_body"))
+    remarkUnknown(*body, {"temperature", "radiance"}, draft);
+}
+
+/// A background that is given counts before empty frames.
+void remarkOnBackgrounds(CaptureDraft& draft) {
+  std::vector<std::string> names;
+  for (const CameraDraft& camera : draft.cameras) {
+    if (!draft.emptyFrames.empty() && !camera.pictures.background.empty())
+      names.push_back(camera.name);
+  }
+  if (!names.empty())
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("camera{} {}: \"background\" counts, and \"empty_frames\" are not read",
+                    names.size() > 1 ? "s" : "", fmt::join(names, ", ")));
 }
 
 Status readVolume(const JsonValue& value, CaptureDraft& draft) {
@@ -321,7 +363,7 @@ Status readHead(const JsonValue& root, CaptureDraft& draft, CameraDraft& default
     for (const JsonValue& item : items) {
       VOLUTE_ASSIGN(const auto lamp, readLamp(item));
       draft.lighting.lamps.push_back(lamp);
-      remarkUnknown(item, {"kind", "direction", "position", "radiance", "intensity"}, draft);
+      remarkUnknownOfLamp(item, draft);
     }
   }
   if (const auto albedo = root.find("albedo")) {
@@ -354,12 +396,10 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                  "noise_sigma", "cameras", "empty_frames", "saturation", "bits", "black",
                  "frames_per_second", "lamps", "albedo", "spectrum", "bottom_up"},
                 draft);
+  remarkUnknownOfColor(root, draft);
   if (const auto spectrum = root.find("spectrum")) {
-    VOLUTE_ASSIGN(draft.spectrum, readSpectrum(*spectrum, file.parent_path()));
-    remarkUnknown(*spectrum,
-                  {"sensitivities", "wavelengths", "black_body", "radiance_scale", "soot_exponent",
-                   "lines", "scale"},
-                  draft);
+    VOLUTE_ASSIGN(draft.spectrum, readSpectrum(*spectrum, file.parent_path(), draft.remarks));
+    remarkUnknownOfSpectrum(*spectrum, draft);
   }
   VOLUTE_ASSIGN(const auto list, root.at("cameras"));
   VOLUTE_ASSIGN(const auto cameras, list.items());
@@ -381,9 +421,11 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                            "saturation",  "bits",
                            "black",       "bottom_up"},
                   draft);
+    remarkUnknownOfColor(camera, draft);
   }
+  remarkOnBackgrounds(draft);
   if (std::string remark = written.remark(); !remark.empty())
-    draft.remarks.push_back(std::move(remark));
+    draft.remarks.emplace_back(RemarkCode::kAssumed, std::move(remark));
   return draft;
 }
 

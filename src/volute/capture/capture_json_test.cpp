@@ -17,6 +17,7 @@ using ::testing::HasSubstr;
 using testing::ok;
 using testing::ringCalibration;
 using testing::ringJson;
+using testing::sentences;
 using testing::TempFolder;
 
 Result<Capture> openJson(const TempFolder& folder, const nlohmann::json& json,
@@ -51,7 +52,7 @@ TEST(CaptureJson, IsReadWhole) {
   EXPECT_EQ(b.camera.distortion(), (Distortion{0.1, 0.01, 0.001, -0.001, 0}));
   EXPECT_NEAR((b.camera.intrinsics() - ringCalibration(1, 3).K).norm(), 0, 1e-12);
   EXPECT_EQ(capture.cameras[0].pictures.response->name(), "gamma:2.2");
-  EXPECT_THAT(capture.remarks, Contains(HasSubstr("pixel centres at 0.5")));
+  EXPECT_THAT(sentences(capture.remarks), Contains(HasSubstr("pixel centres at 0.5")));
 }
 
 TEST(CaptureJson, PicturesAreFoundAsWindowsNamesThem) {
@@ -64,7 +65,7 @@ TEST(CaptureJson, PicturesAreFoundAsWindowsNamesThem) {
   ASSERT_VALUE(const auto capture, openJson(folder, json));
   EXPECT_EQ(capture.cameras[1].pictures.image, (folder / "Views" / "f_%04d_b.exr").string());
   EXPECT_EQ(capture.cameras[1].pictures.background, folder / "Views" / "back.exr");
-  EXPECT_THAT(capture.remarks, Contains(HasSubstr("differ from those of the files")));
+  EXPECT_THAT(sentences(capture.remarks), Contains(HasSubstr("differ from those of the files")));
 }
 
 TEST(CaptureJson, EveryErrorNamesItsPlace) {
@@ -150,7 +151,65 @@ TEST(CaptureJson, UnknownKeysAreRemarked) {
   auto json = ringJson();
   json["cameras"][1]["distorsion"] = {0, 0, 0, 0, 0};
   ASSERT_VALUE(const auto capture, openJson(folder, json));
-  EXPECT_THAT(capture.remarks, Contains("cameras[1].distorsion is not known and ignored"));
+  EXPECT_THAT(sentences(capture.remarks),
+              Contains("cameras[1].distorsion is not known and ignored"));
+}
+
+TEST(CaptureJson, MembersWithoutEffectAreRemarked) {
+  const TempFolder folder;
+  auto json = ringJson();
+  json["color"] = {{"table", {0, 1}}, {"gamma", 2.2}};
+  json["lamps"] = {{{"kind", "sun"}, {"direction", {0, 0, -1}}, {"radiance", 1}, {"intensity", 2}}};
+  json["empty_frames"] = {1, 2};
+  json["cameras"][0]["background"] = "back.exr";
+  json["spectrum"] = {
+      {"sensitivities", {{450, 0, 0.1, 0.9}, {550, 0.5, 1, 1}, {700, 0, 0, 0}}},
+      {"black_body", {{"temperature", 1800}, {"radiance", {1, 1, 1}}, {"unit", "C"}}},
+      {"scale", {1, 1, 1}}};
+  ASSERT_VALUE(const auto capture, openJson(folder, json));
+  EXPECT_THAT(sentences(capture.remarks),
+              ::testing::IsSupersetOf(
+                  {HasSubstr("color.gamma is not known"), HasSubstr("lamps[0].intensity is not"),
+                   HasSubstr("camera a: \"background\" counts, and \"empty_frames\" are not"),
+                   HasSubstr("spectrum.black_body.unit is not"), HasSubstr("spectrum.scale is not"),
+                   HasSubstr("ends at 450 nm, where green is 10 % of"),
+                   HasSubstr("ends at 450 nm, where blue is 90 % of")}));
+  EXPECT_EQ(capture.remarks[0].code, RemarkCode::kNote) << "what is stated is no assumption";
+  for (std::size_t i = 1; i < capture.remarks.size(); ++i)
+    EXPECT_NE(capture.remarks[i].code, RemarkCode::kNote) << capture.remarks[i].sentence;
+}
+
+TEST(CaptureJson, HowFloatsAreStoredHasNoEffect) {
+  const TempFolder folder;
+  testing::writeRingPictures(folder);
+  auto json = ringJson();
+  ASSERT_VALUE(const auto right, openJson(folder, json));
+  EXPECT_EQ(right.remarks.size(), 1U);
+  json["black"] = 0.1, json["bits"] = 12;
+  CaptureOptions options;
+  options.response = Response::srgb();
+  ASSERT_VALUE(const auto capture, openJson(folder, json, options));
+  EXPECT_THAT(
+      sentences(capture.remarks),
+      Contains(HasSubstr("cameras a, b, c: \"color\", \"black\", \"bits\" have no effect on "
+                         "pictures of floats")));
+}
+
+TEST(CaptureJson, FramesWithoutAnyPictureAreTold) {
+  const TempFolder folder;
+  testing::writeRingPictures(folder);
+  auto json = ringJson();
+  json.erase("frames");
+  for (const char* name : {"a", "b", "c"})
+    std::filesystem::rename(folder / fmt::format("f_0005_{}.exr", name),
+                            folder / fmt::format("f_0008_{}.exr", name));
+  ASSERT_VALUE(const auto even, openJson(folder, json));
+  EXPECT_EQ(even.remarks.size(), 1U) << "they are four apart";
+  std::filesystem::copy(folder / "f_0004_a.exr", folder / "f_0006_a.exr");
+  std::filesystem::copy(folder / "f_0004_a.exr", folder / "f_0010_a.exr");
+  std::filesystem::copy(folder / "f_0004_a.exr", folder / "f_0014_a.exr");
+  ASSERT_VALUE(const auto gap, openJson(folder, json));
+  EXPECT_THAT(sentences(gap.remarks), Contains(HasSubstr("no camera has a picture of frame 12,")));
 }
 
 TEST(CaptureJson, OptionsGoBeforeTheFile) {

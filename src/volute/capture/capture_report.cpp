@@ -25,6 +25,39 @@ std::size_t picturesThere(const CaptureCamera& camera, const std::vector<int>& f
   }));
 }
 
+/// What a camera's pictures are compared with, and how they are read, as far as it is stated.
+std::string readingText(const CaptureCamera& camera, bool& missing) {
+  const PictureSource& pictures = camera.pictures;
+  std::error_code ignored;
+  std::string text;
+  for (const auto& [what, file] :
+       {std::pair("background", &pictures.background), std::pair("mask", &pictures.mask)}) {
+    if (file->empty())
+      continue;
+    const bool there = std::filesystem::exists(*file, ignored);
+    missing = missing || !there;
+    text += fmt::format(", {} {}{}", what, file->filename().string(), there ? "" : " is MISSING");
+  }
+  const auto add = [&](std::string_view what, double value, double usual) {
+    if (value != usual)
+      text += fmt::format(", {} {:g}", what, value);
+  };
+  if (pictures.response)
+    text += ", " + pictures.response->name();
+  add("gain", pictures.gain, 1);
+  if ((pictures.channelGain != 1).any())
+    text += ", gains " + vectorText(Vec3(pictures.channelGain.matrix()));
+  add("exponent", pictures.exponent, 1);
+  add("black", pictures.black, 0);
+  add("bits", pictures.bits, 0);
+  if (pictures.saturation)
+    text += fmt::format(", saturated from {:g}", *pictures.saturation);
+  add("pictures a frame:", pictures.rate, 1);
+  add("starts with frame", pictures.videoStart, 0);
+  add("frame shift", pictures.frameShift, 0);
+  return text;
+}
+
 void addCameras(Report& report, const Capture& capture, bool& damaged) {
   OrderedJson list = OrderedJson::array();
   std::string text;
@@ -37,19 +70,27 @@ void addCameras(Report& report, const Capture& capture, bool& damaged) {
     const std::string pictures =
         source.empty() ? "" : source.lexically_proximate(folder.empty() ? "." : folder).string();
     const bool missing = there < capture.frames.size();
-    damaged = damaged || missing;
+    bool lacks = false;
+    const std::string reading = readingText(camera, lacks);
+    damaged = damaged || missing || lacks;
     list.push_back({{"name", camera.name},
                     {"size", {camera.camera.width(), camera.camera.height()}},
                     {"eye", vectorJson(camera.camera.eye())},
                     {"pictures", pictures},
                     {"pictures_there", there}});
+    for (const auto& [what, file] : {std::pair("background", &camera.pictures.background),
+                                     std::pair("mask", &camera.pictures.mask)}) {
+      if (!file->empty())
+        list.back()[what] = file->string();
+    }
     text +=
-        fmt::format("\n  {}: {} x {} pixels from {} m, {}{}", camera.name, camera.camera.width(),
+        fmt::format("\n  {}: {} x {} pixels from {} m, {}{}{}", camera.name, camera.camera.width(),
                     camera.camera.height(), vectorText(camera.camera.eye()),
                     pictures.empty() ? "no pictures" : pictures,
                     missing ? fmt::format(": {} of {} pictures are MISSING",
                                           capture.frames.size() - there, capture.frames.size())
-                            : "");
+                            : "",
+                    reading);
   }
   report.add("cameras", list, text);
 }
@@ -73,6 +114,7 @@ Result<FileDescription> describeCapture(const std::string& path, std::uint64_t m
   }
   Report& report = described.report;
   report.add("file", path).add("kind", "capture").add("format", capture->kind);
+  report.add("measures", capture->measured == Measured::kAbsorption ? "absorption" : "emission");
   addCameras(report, *capture, described.damaged);
   const auto& frames = capture->frames;
   if (!frames.empty()) {
@@ -88,8 +130,15 @@ Result<FileDescription> describeCapture(const std::string& path, std::uint64_t m
   if (!missing.empty())
     report.add("missing", missing);
   std::string remarks;
-  for (const std::string& remark : capture->remarks) remarks += "\n  " + remark;
-  report.add("remarks", OrderedJson(capture->remarks), remarks);
+  OrderedJson list = OrderedJson::array();
+  for (const Remark& remark : capture->remarks) {
+    remarks += "\n  " + remark.sentence;
+    list.push_back({{"code", remarkName(remark.code)},
+                    {"sentence", remark.sentence},
+                    {"file", remark.file},
+                    {"place", remark.place}});
+  }
+  report.add("remarks", list, remarks);
   return described;
 }
 

@@ -74,9 +74,33 @@ void takeRatesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
       fmt::join(texts, ", "), *draft.framesPerSecond));
 }
 
+/// What a film says of its pictures that a person should know.
+void remarkOnFilm(const CameraDraft& camera, const FilmInfo& film, std::vector<Remark>& remarks) {
+  const auto told = [&](RemarkCode code, const std::string& what) {
+    remarks.emplace_back(
+        code, fmt::format("camera {}: {} {}", camera.name, camera.pictures.video.string(), what));
+  };
+  if (film.interlaced)
+    told(RemarkCode::kAssumed,
+         "is interlaced: each of its pictures is of two times, and is taken to be of one");
+  if (film.otherStreams > 0)
+    told(RemarkCode::kLeftOut,
+         fmt::format("has {} more streams of video, which are not read", film.otherStreams));
+  if (film.turned != 0)
+    told(RemarkCode::kAssumed,
+         fmt::format("says that its pictures are to be shown turned by {} degrees: they are turned "
+                     "so, and the calibration is taken to be of pictures that were turned",
+                     film.turned));
+  if (film.pixelAspect != 1)
+    told(RemarkCode::kAssumed,
+         fmt::format("says that its pixels are {:.4g} times as wide as high: they are taken as "
+                     "stored, {} x {}, and the calibration to be of such pictures",
+                     film.pixelAspect, film.width, film.height));
+}
+
 /// Where the pictures of a film lie, if it says so and not that they follow each other evenly.
 /// @param rate  of the camera's pictures, as it was stated or as the film says
-void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>& remarks,
+void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<Remark>& remarks,
                      std::uint64_t maxMemory) {
   constexpr double kEven = 0.1;        // of the time between two pictures
   constexpr double kRounding = 1e-3;   // [s] to which containers round times
@@ -85,19 +109,20 @@ void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>&
   if (pictures.video.empty())
     return;
   auto film = FilmReader::open(pictures.video, maxMemory);
-  if (film && film->info().interlaced)
-    remarks.push_back(
-        fmt::format("camera {}: {} is interlaced: each of its pictures is of two times, and is "
-                    "taken to be of one",
-                    camera.name, pictures.video.string()));
-  if (film && film->info().otherStreams > 0)
-    remarks.push_back(fmt::format("camera {}: {} has {} more streams of video, which are not read",
-                                  camera.name, pictures.video.string(), film->info().otherStreams));
+  if (film)
+    remarkOnFilm(camera, film->info(), remarks);
   const auto times =
       film ? film->restOfTimes(kMaxPictures) : fail(film.error().code, film.error().hints, "");
   if (!times || times->empty())
     return;  // which is told when its pictures are wanted
   pictures.filmPictures = static_cast<int>(times->size());
+  if (camera.filmLength && *camera.filmLength != pictures.filmPictures)
+    remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("camera {}: {} has {} pictures, not the {} that are stated (frame_num); all "
+                    "are used",
+                    camera.name, pictures.video.string(), pictures.filmPictures,
+                    *camera.filmLength));
   const double span = times->back() - times->front();
   const double gap = span / std::max(pictures.filmPictures - 1, 1);
   if (!(gap > 0))
@@ -112,7 +137,8 @@ void takeTimesOfFilm(CameraDraft& camera, double rate, std::vector<std::string>&
   if (off <= std::max(kEven, kRounding / gap))
     return;
   if (!(shortest > 0)) {
-    remarks.push_back(
+    remarks.emplace_back(
+        RemarkCode::kAssumed,
         fmt::format("camera {}: {} states one time for several of its pictures, so that they are "
                     "taken to follow each other evenly",
                     camera.name, pictures.video.string()));
@@ -203,16 +229,18 @@ Result<std::vector<int>> framesOfFilms(CaptureDraft& draft, std::uint64_t maxMem
   }
   // By less than a frame films differ that were begun and stopped together.
   if (lastOfAny - last >= 1) {
-    draft.remarks.push_back(fmt::format(
-        "camera {}: its film ends with frame {:.0f}, others reach frame {:.0f}: what comes after "
-        "is left out",
-        earliest->name, last, lastOfAny));
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("camera {}: its film ends with frame {:.0f}, others reach frame {:.0f}: what "
+                    "comes after is left out",
+                    earliest->name, last, lastOfAny));
   }
   if (first - firstOfAny >= 1) {
-    draft.remarks.push_back(fmt::format(
-        "camera {}: its film begins with frame {:.0f}, others with frame {:.0f}: what comes before "
-        "is left out",
-        latest->name, first, firstOfAny));
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("camera {}: its film begins with frame {:.0f}, others with frame {:.0f}: what "
+                    "comes before is left out",
+                    latest->name, first, firstOfAny));
   }
   return frames;
 }

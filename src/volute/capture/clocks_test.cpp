@@ -20,6 +20,7 @@ using ::testing::HasSubstr;
 using testing::kHeight;
 using testing::kWidth;
 using testing::ok;
+using testing::sentences;
 
 TEST(PicturePlace, IsWhereTheTimeLies) {
   PictureSource pictures;
@@ -140,7 +141,8 @@ TEST_F(ClocksTest, CamerasStartAtDifferentTimesWithDifferentRates) {
   EXPECT_EQ(capture.framesPerSecond, 25);
   EXPECT_EQ(capture.cameras[0].pictures.rate, 1);
   EXPECT_EQ(capture.cameras[1].pictures.rate, 2);
-  EXPECT_THAT(capture.remarks, ::testing::Contains(HasSubstr("a 25, b 50 pictures a second")));
+  EXPECT_THAT(sentences(capture.remarks),
+              ::testing::Contains(HasSubstr("a 25, b 50 pictures a second")));
   // b ends at 0.07 + 19/50 s, which is frame 11.25.
   EXPECT_THAT(capture.frames, ElementsAre(2, 3, 4, 5, 6, 7, 8, 9, 10, 11));
   EXPECT_TRUE(checkPicturesThere(capture));
@@ -159,7 +161,7 @@ TEST_F(ClocksTest, UnevenPicturesAreTakenAtTheTimesThatTheFilmStates) {
       writeUnevenFilm("b.webm", {0, 40, 80, 120, 160, 200, 280, 360, 440, 520, 533, 546, 600}));
   const auto json = captureOf("a.mp4", "b.webm");
   ASSERT_VALUE(const auto capture, opened(json));
-  EXPECT_THAT(capture.remarks, ::testing::Contains(HasSubstr("after 0.013 to 0.08 s")));
+  EXPECT_THAT(sentences(capture.remarks), ::testing::Contains(HasSubstr("after 0.013 to 0.08 s")));
   EXPECT_EQ(capture.frames.size(), 16U);  // the last at 600 ms
   EXPECT_TRUE(checkPicturesThere(capture));
   EXPECT_LT(offBy(capture), kCoding);
@@ -226,11 +228,12 @@ TEST_F(ClocksTest, FramesThatSomeFilmsLackAreTold) {
   ASSERT_VALUE(const auto shorter, opened(json));
   EXPECT_EQ(shorter.frames, (std::vector{0, 1, 2, 3}));
   EXPECT_THAT(
-      shorter.remarks,
+      sentences(shorter.remarks),
       ::testing::Contains(HasSubstr("camera a: its film ends with frame 3, others reach frame 8")));
   json["frames"] = {0, 1};
   ASSERT_VALUE(const auto stated, opened(json));
-  EXPECT_THAT(stated.remarks, ::testing::Not(::testing::Contains(HasSubstr("its film ends"))));
+  EXPECT_THAT(sentences(stated.remarks),
+              ::testing::Not(::testing::Contains(HasSubstr("its film ends"))));
 }
 
 TEST_F(ClocksTest, NumberedFilesHaveClocksToo) {

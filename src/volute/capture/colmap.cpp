@@ -80,7 +80,11 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder, std::uint64
     camera.calibration.t = image.translation;
     draft.cameras.push_back(std::move(camera));
   }
-  draft.remarks = model.remarks;
+  draft.remarks.emplace_back(
+      RemarkCode::kAssumed,
+      "lengths of the model are taken as metres; COLMAP itself finds them in a unit of its own");
+  for (const std::string& doubt : model.remarks)
+    draft.remarks.emplace_back(RemarkCode::kDoubtful, doubt);
   std::vector<std::uint32_t> idle;
   std::set<std::uint32_t> used;
   for (const ColmapImage& image : model.images) used.insert(image.camera);
@@ -91,11 +95,12 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& folder, std::uint64
   if (!idle.empty()) {
     constexpr std::size_t kShown = 8;
     const std::span shown = std::span(idle).first(std::min(kShown, idle.size()));
-    draft.remarks.push_back(fmt::format(
-        "{} of the {} cameras have no image ({}{}): they were not registered, or the images file "
-        "is cut off",
-        idle.size(), model.cameras.size(), fmt::join(shown, ", "),
-        idle.size() > kShown ? ", ..." : ""));
+    draft.remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("{} of the {} cameras have no image ({}{}): they were not registered, or the "
+                    "images file is cut off",
+                    idle.size(), model.cameras.size(), fmt::join(shown, ", "),
+                    idle.size() > kShown ? ", ..." : ""));
   }
   return draft;
 }

@@ -24,6 +24,7 @@ struct CameraDraft {
   PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
   std::optional<double> framesPerSecond{};  ///< of its pictures
   double reprojectionError = 0;             ///< [pixels]; 0: not stated
+  std::optional<int> filmLength{};          ///< how many pictures its film is said to have
   std::optional<double> startTime{};  ///< of its first picture [s], frame 0 of the capture at 0
   std::optional<double> time{};       ///< of its one picture, in any unit, where each has an entry
 };
@@ -43,7 +44,7 @@ struct CaptureDraft {
   std::vector<int> emptyFrames;
   CaptureSpectrum spectrum{};
   CaptureLighting lighting{};
-  std::vector<std::string> remarks;
+  std::vector<Remark> remarks;
 };
 
 /// Volute's own format, "volute-capture-1" (docs/capture.md). Errors name the path in the JSON.

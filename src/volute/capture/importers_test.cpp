@@ -26,6 +26,7 @@ using ::testing::HasSubstr;
 using testing::ok;
 using testing::ringCalibration;
 using testing::ringJson;
+using testing::sentences;
 using testing::TempFolder;
 using testing::writeText;
 
@@ -175,7 +176,7 @@ class Importers : public ::testing::Test {
     ASSERT_VALUE(const auto ours, openCapture(folder / "capture.json", options));
     ASSERT_VALUE(const auto other, openCapture(file, options));
     expectSame(ours, other);
-    EXPECT_THAT(other.remarks, Contains(HasSubstr(convention)));
+    EXPECT_THAT(sentences(other.remarks), Contains(HasSubstr(convention)));
   }
 
   TempFolder folder;
@@ -255,8 +256,9 @@ TEST_F(Importers, NerfKeysThatAreNotKnownAreRemarkedOn) {
   }
   writeText(folder / "transforms.json", json.dump());
   ASSERT_VALUE(const auto capture, openCapture(folder / "transforms.json", options));
-  EXPECT_THAT(capture.remarks,
-              ElementsAre(HasSubstr("NeRF transforms"), "distortion is not known and ignored",
+  EXPECT_THAT(sentences(capture.remarks),
+              ElementsAre(HasSubstr("NeRF transforms"), HasSubstr("are taken as metres"),
+                          "distortion is not known and ignored",
                           "frames[0].mask_path is not known and ignored, as in 2 more entries"));
 }
 
@@ -310,7 +312,7 @@ TEST_F(Importers, NerfEntriesOfOnePoseAreFramesOfOneCamera) {
     EXPECT_EQ(capture.frames, (std::vector<int>{4, 5}));
     EXPECT_EQ(capture.cameras[1].name, "f_b");
     EXPECT_EQ(capture.cameras[1].pictures.image, (folder / "f_%04d_b.exr").string());
-    EXPECT_THAT(capture.remarks,
+    EXPECT_THAT(sentences(capture.remarks),
                 Contains(HasSubstr("6 entries are 3 cameras that stand still, with "
                                    "2 frames")));
   }
@@ -338,6 +340,25 @@ TEST_F(Importers, NerfEntriesOfOnePoseAreFramesOfOneCamera) {
       }
     }
   }
+}
+
+TEST_F(Importers, NerfTimesThatAreNotUsedAreTold) {
+  const auto opened = [&](bool backwards) {
+    writeText(folder / "transforms.json",
+              entriesOf(folder, [&](nlohmann::json& entry, int camera, int frame) {
+                entry["time"] = backwards ? -frame : frame;
+                if (camera == 0 && frame == 0)
+                  entry.erase("time");
+              }).dump());
+    return openCapture(folder / "transforms.json", options);
+  };
+  ASSERT_VALUE(const auto named, opened(true));
+  EXPECT_THAT(sentences(named.remarks), Contains(HasSubstr("entries have 2 times (\"time\"), which "
+                                                           "are not used")));
+  options.images.reset();
+  ASSERT_VALUE(const auto numbered, opened(false));
+  EXPECT_THAT(sentences(numbered.remarks), Contains(HasSubstr("1 of 6 entries have no \"time\"")));
+  EXPECT_TRUE(failsWith(opened(true), "does not rise with the number"));
 }
 
 TEST_F(Importers, NerfEntriesThatTellNoCamerasApartAreRefused) {
@@ -374,13 +395,23 @@ TEST_F(Importers, NerfPositionsThatToolsMovedAreRemarkedOn) {
   json["applied_transform"] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}};
   writeText(folder / "transforms.json", json.dump());
   ASSERT_VALUE(const auto as, openCapture(folder / "transforms.json", options));
-  EXPECT_EQ(as.remarks.size(), 1U);
+  EXPECT_THAT(sentences(as.remarks),
+              ElementsAre(HasSubstr("NeRF"), HasSubstr("are taken as metres")));
+  json["camera_model"] = "PINHOLE";
+  json["k1"] = 0.1;
+  json["aabb"] = {{-1, -1, -1}, {1, 1, 1}};
+  writeText(folder / "transforms.json", json.dump());
+  ASSERT_VALUE(const auto bent, openCapture(folder / "transforms.json", options));
+  EXPECT_THAT(sentences(bent.remarks),
+              ::testing::IsSupersetOf({HasSubstr("PINHOLE has no k1, which is 0.1 and is applied"),
+                                       HasSubstr("\"aabb\" is a box of the tool")}));
+  for (const char* key : {"camera_model", "k1", "aabb"}) json.erase(key);
   json["applied_scale"] = 0.25;
   json["applied_transform"] = {{0, 1, 0, 0}, {1, 0, 0, 0}, {0, 0, -1, 0}};
   json["scale"] = 0.33;
   writeText(folder / "transforms.json", json.dump());
   ASSERT_VALUE(const auto moved, openCapture(folder / "transforms.json", options));
-  EXPECT_THAT(moved.remarks,
+  EXPECT_THAT(sentences(moved.remarks),
               ElementsAre(HasSubstr("NeRF"), HasSubstr("scaled by 0.25 from what was measured"),
                           HasSubstr("turned or moved"), HasSubstr("are not applied")));
   json["applied_scale"] = 0;
@@ -403,6 +434,7 @@ TEST_F(Importers, FilmedFluids) {
          {"frame_rate", 30},
          {"camera_angle_x", 0.4},
          {"camera_hw", {48, 32}},
+         {"near", 1},
          {"transform_matrix", json["frames"][static_cast<std::size_t>(i)]["transform_matrix"]}});
   }
   writeText(folder / "info.json", info.dump());
@@ -423,7 +455,9 @@ TEST_F(Importers, FilmedFluids) {
   EXPECT_LT((camera.eye() + ours.R.transpose() * ours.t).norm(), 1e-9);
   EXPECT_LT((read.volume.bounds.min - Vec3(0.5, 0, 3)).norm(), 1e-9);
   EXPECT_LT((read.volume.bounds.max - Vec3(3.5, 2, 4)).norm(), 1e-9);
-  EXPECT_THAT(read.remarks, Contains(HasSubstr("camera train02 is there to be compared with")));
+  EXPECT_THAT(sentences(read.remarks),
+              Contains(HasSubstr("camera train02 is there to be compared with")));
+  EXPECT_THAT(sentences(read.remarks), Contains("train_videos[1].near is not known and ignored"));
   info["train_videos"][0].erase("camera_hw");
   writeText(folder / "info.json", info.dump());
   EXPECT_TRUE(failsWith(openCalibration(folder / "info.json", {}), "train_videos[0]: "));
@@ -571,7 +605,7 @@ TEST_F(Importers, AFocalLengthInMillimetresIsRemarkedOn) {
       "1 PINHOLE 24 16 3.5 3.5 12 8\n2 PINHOLE 24 16 25 25 12 8\n3 PINHOLE 24 16 25 25 12 8\n");
   const auto capture = openCalibration(folder / "text", options);
   ASSERT_TRUE(capture) << capture.error().message;
-  EXPECT_TRUE(std::ranges::any_of(capture->remarks, [](const std::string& remark) {
+  EXPECT_TRUE(std::ranges::any_of(sentences(capture->remarks), [](const std::string& remark) {
     return remark.find("of 3.5 pixels is an angle of view of 147 degrees") != remark.npos;
   }));
 }
@@ -718,7 +752,7 @@ TEST_F(Importers, ColmapTextsThatAreCutBetweenLinesAreTold) {
   const std::string two = whole.substr(0, whole.rfind("\n3 ") + 1);
   writeText(path, two);
   ASSERT_VALUE(const auto capture, openCapture(folder / "text", options));
-  EXPECT_THAT(capture.remarks,
+  EXPECT_THAT(sentences(capture.remarks),
               ::testing::Contains(HasSubstr("1 of the 3 cameras have no image (3)")));
   const std::string head = "# Image list\n# Number of images: 3, mean observations per image: 2\n";
   writeText(path, head + two);
@@ -771,7 +805,7 @@ TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
       "image_width: 24\nimage_height: 16\nfisheye_model: 0\nerror: 0.25\nunits: mm\n");
   writeText(folder / "c.yml", fmt::format("%YAML:1.0\n---\n{}", fmt::join(entries, "")));
   ASSERT_VALUE(const auto capture, openCapture(folder / "c.yml", options));
-  EXPECT_THAT(capture.remarks,
+  EXPECT_THAT(sentences(capture.remarks),
               ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error, units"));
 }
 
@@ -837,7 +871,7 @@ TEST_F(Importers, OpenCvStereoSample) {
     EXPECT_NEAR(capture.cameras[0].camera.eye().norm(), 0, 1e-12);
     EXPECT_NEAR((capture.cameras[1].camera.rotation() - turn).norm(), 0, 1e-12);
     EXPECT_NEAR((capture.cameras[1].camera.eye() + turn.transpose() * shift).norm(), 0, 1e-9);
-    EXPECT_THAT(capture.remarks, Contains(HasSubstr("the world is that of camera 1")));
+    EXPECT_THAT(sentences(capture.remarks), Contains(HasSubstr("the world is that of camera 1")));
   }
 }
 
@@ -861,11 +895,11 @@ TEST_F(Importers, OpenCvCalibrationSample) {
     EXPECT_NEAR((camera.rotation() - c.R).norm(), 0, 1e-9);
     EXPECT_NEAR((camera.rotation() * camera.eye() + c.t).norm(), 0, 1e-9);
   }
-  EXPECT_THAT(capture.remarks, Contains(HasSubstr("the board in the first view")));
-  EXPECT_THAT(capture.remarks, ::testing::Not(Contains(HasSubstr("left out"))));
+  EXPECT_THAT(sentences(capture.remarks), Contains(HasSubstr("the board in the first view")));
+  EXPECT_THAT(sentences(capture.remarks), ::testing::Not(Contains(HasSubstr("left out"))));
   writeText(folder / "boards" / "d.yml", "%YAML:1.0\n---\ncamera_matrix: [\n");
   ASSERT_VALUE(const auto damaged, openCapture(folder / "boards" / "b.yml", options));
-  EXPECT_THAT(damaged.remarks,
+  EXPECT_THAT(sentences(damaged.remarks),
               Contains(::testing::AllOf(HasSubstr("a file of its folder cannot be read"),
                                         HasSubstr("d.yml"))));
 }

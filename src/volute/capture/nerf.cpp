@@ -86,6 +86,31 @@ Status checkModel(const JsonValue& frame, const JsonValue& root) {
   return {};
 }
 
+/// Coefficients that the model that is named does not have.
+void remarkOnModel(const JsonValue& frame, const JsonValue& root, const Distortion& lens,
+                   CaptureDraft& draft) {
+  const auto model = findIn(frame, root, "camera_model");
+  if (!model)
+    return;
+  const auto name = model->json().get<std::string>();  // which checkModel() knows
+  const bool radial = name == "RADIAL", oneRadial = name == "SIMPLE_RADIAL";
+  if (name == "OPENCV")
+    return;
+  for (const auto& [key, value, has] :
+       {std::tuple("k1", lens.k1, radial || oneRadial), std::tuple("k2", lens.k2, radial),
+        std::tuple("k3", lens.k3, false), std::tuple("p1", lens.p1, false),
+        std::tuple("p2", lens.p2, false)}) {
+    if (value == 0 || has)
+      continue;
+    draft.remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("the camera model {} has no {}, which is {:g} and is applied: are the pictures "
+                    "undistorted?",
+                    name, key, value));
+    return;
+  }
+}
+
 Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration& calibration) {
   for (const auto& [key, side] :
        {std::pair("w", &calibration.width), std::pair("h", &calibration.height)}) {
@@ -163,7 +188,8 @@ const std::initializer_list<std::string_view> kKnown{
 /// A remark for each key that is not known, however many entries have it.
 void remarkUnknown(const JsonValue& root, std::span<const JsonValue> frames, CaptureDraft& draft) {
   for (const auto& key : root.unknownKeys(kKnown))
-    draft.remarks.push_back(fmt::format("{} is not known and ignored", key));
+    draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                               fmt::format("{} is not known and ignored", key));
   std::map<std::string, std::pair<std::string, int>> found;  // by key: the first place, how many
   for (const JsonValue& frame : frames) {
     for (const auto& path : frame.unknownKeys(kKnown)) {
@@ -173,41 +199,56 @@ void remarkUnknown(const JsonValue& root, std::span<const JsonValue> frames, Cap
     }
   }
   for (const auto& [key, place] : found) {
-    draft.remarks.push_back(fmt::format(
-        "{} is not known and ignored{}", place.first,
-        place.second > 1 ? fmt::format(", as in {} more entries", place.second - 1) : ""));
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format(
+            "{} is not known and ignored{}", place.first,
+            place.second > 1 ? fmt::format(", as in {} more entries", place.second - 1) : ""));
   }
 }
 
 /// What tools did to the positions, or would have a reader do: lengths are then not metres, and the
 /// axes not those that were measured.
 Status remarkFrameOfReference(const JsonValue& root, CaptureDraft& draft) {
+  bool scaled = false;
   if (const auto applied = root.find("applied_scale")) {
     VOLUTE_ASSIGN(const double scale, applied->number());
     if (!(scale > 0))
       return applied->fault(fmt::format("is {:g}; expected a factor above 0", scale));
-    if (scale != 1) {
-      draft.remarks.push_back(fmt::format(
-          "positions were scaled by {:g} from what was measured (\"applied_scale\"); lengths are "
-          "not "
-          "metres: bounds are in these units, and values per unit of length are {:g} times those "
-          "per unit that was measured",
-          scale, 1 / scale));
+    scaled = scale != 1;
+    if (scaled) {
+      draft.remarks.emplace_back(
+          RemarkCode::kAssumed,
+          fmt::format("positions were scaled by {:g} from what was measured (\"applied_scale\"); "
+                      "lengths are not metres: bounds are in these units, and values per unit of "
+                      "length are {:g} times those per unit that was measured",
+                      scale, 1 / scale));
     }
   }
   if (const auto applied = root.find("applied_transform")) {
     VOLUTE_ASSIGN(const Mat4 moved, applied->affine());
     if (!linearPart(moved).isApprox(Mat3::Identity()) || !offsetPart(moved).isZero())
       draft.remarks.emplace_back(
+          RemarkCode::kAssumed,
           "positions were turned or moved from what was measured (\"applied_transform\"); bounds "
           "are "
           "in the turned axes");
   }
   if (root.find("scale") || root.find("offset")) {
     draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
         "\"scale\" and \"offset\" place the cameras in a viewer's cube and are not applied; bounds "
-        "are "
-        "in the units of transform_matrix");
+        "are in the units of transform_matrix");
+  }
+  if (!scaled)
+    draft.remarks.emplace_back(
+        RemarkCode::kAssumed,
+        "lengths of transform_matrix are taken as metres; the format has no unit");
+  for (const char* box : {"aabb", "render_aabb"}) {
+    if (root.find(box))
+      draft.remarks.emplace_back(
+          RemarkCode::kLeftOut,
+          fmt::format("\"{}\" is a box of the tool that wrote it, and not the bounds", box));
   }
   return {};
 }
@@ -232,6 +273,8 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     camera.where = frame.where();
     VOLUTE_TRY(checkModel(frame, root));
     VOLUTE_TRY(readIntrinsics(frame, root, camera.calibration));
+    if (draft.cameras.empty())  // stands for the others
+      remarkOnModel(frame, root, camera.calibration.distortion, draft);
     VOLUTE_TRY(readPose(frame, camera.calibration));
     VOLUTE_TRY(readMember(frame, "file_path", camera.pictureName, &JsonValue::text));
     camera.pictures.image =
@@ -242,7 +285,7 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     draft.cameras.push_back(std::move(camera));
   }
   if (std::string remark = written.remark(); !remark.empty())
-    draft.remarks.push_back(std::move(remark));
+    draft.remarks.emplace_back(RemarkCode::kAssumed, std::move(remark));
   VOLUTE_TRY(remarkFrameOfReference(root, draft));
   remarkUnknown(root, frames, draft);
   return draft;
@@ -268,6 +311,7 @@ Status readVoxelBox(const JsonValue& root, CaptureDraft& draft) {
   constexpr double kGrown = 1.01;
   if (bounds.size().prod() > kGrown * sides.prod())
     draft.remarks.emplace_back(
+        RemarkCode::kChanged,
         "voxel_matrix turns the volume: its bounds are those of the box around it, along the axes");
   draft.bounds = bounds;
   return {};
@@ -290,15 +334,18 @@ Result<CameraDraft> readFilmedCamera(const JsonValue& value, const std::filesyst
   VOLUTE_ASSIGN(const double angle, angleIn(value, value, "camera_angle_x"));
   if (!(angle > 0))
     return value.fault("has no camera_angle_x; expected the angle of view over its width");
+  VOLUTE_ASSIGN(const double angleY, angleIn(value, value, "camera_angle_y"));
   const double focal = 0.5 * calibration.width / std::tan(0.5 * angle);
+  const double focalY = angleY > 0 ? 0.5 * calibration.height / std::tan(0.5 * angleY) : focal;
   calibration.K =
-      Mat3(focal, 0, 0.5 * calibration.width, 0, focal, 0.5 * calibration.height, 0, 0, 1);
+      Mat3(focal, 0, 0.5 * calibration.width, 0, focalY, 0.5 * calibration.height, 0, 0, 1);
   VOLUTE_TRY(readPose(value, calibration));
   if (const auto rate = value.find("frame_rate")) {
     VOLUTE_ASSIGN(camera.framesPerSecond, rate->number());
     if (!(*camera.framesPerSecond > 0))
       return rate->fault("expected pictures in a second, more than 0");
   }
+  VOLUTE_TRY(readIfThere(value, "frame_num", camera.filmLength, &JsonValue::integer));
   return camera;
 }
 
@@ -322,14 +369,26 @@ Result<CaptureDraft> readFilmedFluid(const std::filesystem::path& file,
         draft.remarks.push_back(fmt::format(
             "camera {} is there to be compared with (test_videos): hold it out for that",
             camera.name));
+      for (const auto& key :
+           item.unknownKeys({"file_name", "camera_hw", "camera_angle_x", "camera_angle_y",
+                             "transform_matrix", "frame_rate", "frame_num"}))
+        draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                                   fmt::format("{} is not known and ignored", key));
       draft.cameras.push_back(std::move(camera));
     }
   }
+  // The last five are a path of views to show, and what lies along their rays.
+  for (const auto& key :
+       root.unknownKeys({"train_videos", "test_videos", "voxel_matrix", "voxel_scale",
+                         "frame_bkg_color", "near", "far", "phi", "rot", "render_center"}))
+    draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                               fmt::format("{} is not known and ignored", key));
   VOLUTE_TRY(readVoxelBox(root, draft));
   if (const auto colour = root.find("frame_bkg_color")) {
     VOLUTE_ASSIGN(const Vec3 background, colour->vector());
     if (background.maxCoeff() > 0)
       draft.remarks.emplace_back(
+          RemarkCode::kLeftOut,
           "frame_bkg_color is not black and not subtracted; state a background in a capture.json");
   }
   return draft;

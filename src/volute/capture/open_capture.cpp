@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <numeric>
 #include <regex>
 #include <set>
 #include <unordered_map>
@@ -229,9 +230,29 @@ tl::unexpected<Error> ofCamera(const CameraDraft& camera, const Error& error) {
   return fail(error.code, error.hints, "camera {}: {}", camera.name, error.message);
 }
 
+/// Remarks on several cameras, of which all that read alike are one.
+class SharedRemarks {
+ public:
+  void add(const std::string& camera, RemarkCode code, const std::string& sentence) {
+    auto& names = names_[{sentence, code}];
+    if (std::ranges::find(names, camera) == names.end())
+      names.push_back(camera);
+  }
+
+  void moveTo(std::vector<Remark>& remarks) const {
+    for (const auto& [what, names] : names_)
+      remarks.emplace_back(what.second, fmt::format("camera{} {}: {}", names.size() > 1 ? "s" : "",
+                                                    fmt::join(names, ", "), what.first));
+  }
+
+ private:
+  std::map<std::pair<std::string, RemarkCode>, std::vector<std::string>> names_;
+};
+
 /// What the first whole picture of each camera says of all of them. What is wrong with others is
 /// told when they are read.
 Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t maxMemory) {
+  SharedRemarks remarks;
   for (CameraDraft& camera : draft.cameras) {
     PictureSource& pictures = camera.pictures;
     const std::string extension = extensionOf(pictures.video);
@@ -251,12 +272,15 @@ Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t ma
     if (!kind)
       continue;
     pictures.linear = kind->linear;
+    for (const Remark& remark : kind->remarks)
+      remarks.add(camera.name, remark.code, remark.sentence);
     const std::string color = pictures.response ? pictures.response->name() : "";
     if (!kind->stated.empty() && !color.empty() && (color == "linear") != kind->statesLight) {
-      draft.remarks.push_back(fmt::format(
-          "camera {}: {} states {}, and the capture says that it is {}, which counts: are its "
-          "values really stored so?",
-          camera.name, path.filename().string(), kind->stated, color));
+      draft.remarks.emplace_back(
+          RemarkCode::kDoubtful,
+          fmt::format("camera {}: {} states {}, and the capture says that it is {}, which counts: "
+                      "are its values really stored so?",
+                      camera.name, path.filename().string(), kind->stated, color));
     }
     if (kind->pages > 1 && namesSeries(pictures.image)) {
       return fail(
@@ -267,7 +291,53 @@ Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t ma
     }
     pictures.pages = kind->pages;
   }
+  remarks.moveTo(draft.remarks);
   return {};
+}
+
+/// How values are stored is said of integers and films; floats are light as they are, and films
+/// have their own bits.
+void remarkOnIdleStoring(const CaptureOptions& options, CaptureDraft& draft) {
+  SharedRemarks remarks;
+  for (const CameraDraft& camera : draft.cameras) {
+    const PictureSource& pictures = camera.pictures;
+    const auto& response = options.response ? options.response : pictures.response;
+    const bool film = pictures.image.empty();
+    std::vector<std::string> idle;
+    if (pictures.linear && response && response->name() != "linear")
+      idle.emplace_back("\"color\"");
+    if (pictures.linear && pictures.black != 0)
+      idle.emplace_back("\"black\"");
+    if ((pictures.linear || film) && pictures.bits != 0)
+      idle.emplace_back("\"bits\"");
+    if (!idle.empty())
+      remarks.add(camera.name, RemarkCode::kLeftOut,
+                  fmt::format("{} {} no effect on {}", fmt::join(idle, ", "),
+                              idle.size() > 1 ? "have" : "has",
+                              film ? "a film" : "pictures of floats, which are light as they are"));
+  }
+  remarks.moveTo(draft.remarks);
+}
+
+/// Frames between others of which no camera has a picture.
+void remarkOnGaps(const std::vector<int>& frames, std::vector<Remark>& remarks) {
+  constexpr int kNamed = 5;
+  int step = 0, missing = 0;
+  std::vector<int> named;
+  for (std::size_t i = 1; i < frames.size(); ++i) step = std::gcd(step, frames[i] - frames[i - 1]);
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    const int gone = (frames[i] - frames[i - 1]) / step - 1;
+    for (int k = 1; k <= std::min(gone, kNamed - missing); ++k)
+      named.push_back(frames[i - 1] + k * step);
+    missing += gone;
+  }
+  if (missing > 0)
+    remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format(
+            "no camera has a picture of frame{} {}{}, between others; \"frames\" names those "
+            "that are meant",
+            missing > 1 ? "s" : "", fmt::join(named, ", "), missing > kNamed ? " and more" : ""));
 }
 
 /// All frames of the capture: those that are stated, else those of which there are pictures; of
@@ -318,7 +388,8 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
           "expected %04d, %d or #### where the number stands, or one frame",
           camera.where, camera.name, image, chosen.size());
     }
-    draft.remarks.push_back(
+    draft.remarks.emplace_back(
+        RemarkCode::kAssumed,
         fmt::format("camera {}: {} has no frame number and is taken for frame {}", camera.name,
                     image, chosen.front()));
   }
@@ -359,10 +430,11 @@ void remarkOnAngles(CaptureDraft& draft) {
         2 * std::atan(calibration.width / (2 * calibration.K(0, 0))) * 180 / std::numbers::pi;
     if (!(angle > kWide))
       continue;
-    draft.remarks.push_back(fmt::format(
-        "camera {}: a focal length of {:.4g} pixels is an angle of view of {:.0f} degrees over "
-        "{} pixels: is it in mm?",
-        camera.name, calibration.K(0, 0), angle, calibration.width));
+    draft.remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("camera {}: a focal length of {:.4g} pixels is an angle of view of {:.0f} "
+                    "degrees over {} pixels: is it in mm?",
+                    camera.name, calibration.K(0, 0), angle, calibration.width));
     return;
   }
 }
@@ -405,6 +477,21 @@ std::string conventionText(const CaptureDraft& draft) {
   return text;
 }
 
+/// Frames go by the numbers of a pattern, whatever times entries have.
+void remarkOnTimes(CaptureDraft& draft) {
+  std::set<double> times;
+  for (const CameraDraft& camera : draft.cameras) {
+    if (camera.time)
+      times.insert(*camera.time);
+  }
+  if (times.size() > 1)
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("entries have {} times (\"time\"), which are not used: with a pattern of the "
+                    "pictures' names the number in a name tells the frame",
+                    times.size()));
+}
+
 /// Names, sizes and cameras: all but frames and volume.
 Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureOptions& options,
                                std::optional<ImageName>& images) {
@@ -423,6 +510,8 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
     return fail(ErrorCode::kInvalidData, "{}: has no cameras", file.string());
   if (!images)
     VOLUTE_TRY(groupEntries(draft));
+  else
+    remarkOnTimes(draft);
   VOLUTE_TRY(nameCameras(draft, images));
   VOLUTE_TRY(checkNames(draft));
   VOLUTE_TRY(placePictures(draft, images));
@@ -500,6 +589,14 @@ Result<bool> isCapture(const std::filesystem::path& path) {
          format == "volute-capture-1";
 }
 
+void remarkOn(const Capture& capture, Progress& progress) {
+  const std::string name = capture.file.string();
+  for (Remark remark : capture.remarks) {
+    remark.sentence = fmt::format("{}: {}", name, remark.sentence);
+    progress.remark(std::move(remark).in(name));
+  }
+}
+
 std::optional<std::size_t> findCamera(const Capture& capture, const std::string& name) {
   const auto found = std::ranges::find(capture.cameras, name, &CaptureCamera::name);
   if (found == capture.cameras.end())
@@ -520,9 +617,12 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
   }
   FolderFiles folders;
   VOLUTE_TRY(completeKinds(draft, folders, options.maxMemory));
+  remarkOnIdleStoring(options, draft);
   VOLUTE_ASSIGN(const auto all,
                 findFrames(file, draft, options.frames, folders, options.maxMemory));
   VOLUTE_ASSIGN(auto frames, chooseFrames(all, options.frames));
+  if (!draft.frames)
+    remarkOnGaps(frames, draft.remarks);
   VOLUTE_TRY(checkNumbers(draft, all, frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
   VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, folders, options));

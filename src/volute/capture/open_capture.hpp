@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
 #include "volute/capture/capture.hpp"
 #include "volute/grid/select_frames.hpp"
@@ -40,6 +41,9 @@ struct CaptureOptions {
 /// volume need not be there. For `project`, which makes the pictures.
 [[nodiscard]] Result<Capture> openCalibration(const std::filesystem::path& file,
                                               const CaptureOptions& options);
+
+/// Passes on what was remarked on a capture, with its name.
+void remarkOn(const Capture& capture, Progress& progress);
 
 /// Voxels on x, y, z that are cubes as nearly as can be, `longest` on the longest side.
 std::array<int, 3> cubicResolution(const Box3& bounds, int longest);

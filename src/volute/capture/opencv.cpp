@@ -352,9 +352,10 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
   draft.kind = "OpenCV";
   draft.pixelCentre = 0;
   if (world)
-    draft.remarks.emplace_back(world);
+    draft.remarks.emplace_back(RemarkCode::kAssumed, world);
   for (const std::string& why : unread)
-    draft.remarks.push_back("a file of its folder cannot be read and is left out: " + why);
+    draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                               "a file of its folder cannot be read and is left out: " + why);
   if (const OpenCvMatrix* fisheye = entries.find("fisheye_model");
       fisheye && fisheye->values != std::vector<double>{0}) {
     return fail(ErrorCode::kUnsupported,
@@ -378,7 +379,8 @@ Result<CaptureDraft> readOpenCv(const std::filesystem::path& file) {
                 file.string());
   }
   if (const auto names = unused(entries, draft.cameras); !names.empty())
-    draft.remarks.push_back(fmt::format("no camera uses {}", fmt::join(names, ", ")));
+    draft.remarks.emplace_back(RemarkCode::kLeftOut,
+                               fmt::format("no camera uses {}", fmt::join(names, ", ")));
   return draft;
 }
 

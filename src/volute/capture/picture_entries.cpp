@@ -5,6 +5,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
@@ -202,6 +203,36 @@ Status placeByNumber(const std::vector<Group>& groups, std::set<int>& frames) {
   return {};
 }
 
+/// Where some entries have times, numbers must not run against them.
+Status checkTimes(const std::vector<Group>& groups) {
+  std::map<int, double> timeOf;
+  for (const Group& group : groups) {
+    for (std::size_t i = 0; i < group.entries.size(); ++i) {
+      if (group.entries[i]->time)
+        // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
+        timeOf.emplace(group.names[i].number(), *group.entries[i]->time);
+    }
+  }
+  for (const Group& group : groups) {
+    for (std::size_t i = 0; i < group.entries.size(); ++i) {
+      const CameraDraft& entry = *group.entries[i];
+      if (!entry.time)
+        continue;
+      const auto at = timeOf.find(group.names[i].number());
+      const bool later = at == timeOf.begin() || std::prev(at)->second < *entry.time;
+      if (at->second == *entry.time && later)
+        continue;
+      return fail(
+          ErrorCode::kInvalidData,
+          "{}: its \"time\" {:g} does not rise with the number {} of its picture, and other "
+          "entries have no time; expected a time in each entry, or names in the order of "
+          "time",
+          entry.where, *entry.time, group.names[i].number());
+    }
+  }
+  return {};
+}
+
 /// Cameras whose files are called alike: "cam0/frame_%04d.png" is camera cam0; of one series for
 /// all they are counted.
 void nameByFolder(std::vector<CameraDraft>& cameras) {
@@ -292,10 +323,19 @@ Status groupEntries(CaptureDraft& draft) {
     VOLUTE_TRY(placeByTime(groups, times, cameras, frames));
   else
     VOLUTE_TRY(placeByNumber(groups, frames));
-  draft.remarks.push_back(
+  if (!byTime && times.size() > 1)
+    VOLUTE_TRY(checkTimes(groups));
+  draft.remarks.emplace_back(
+      byTime ? RemarkCode::kAssumed : RemarkCode::kNote,
       fmt::format("{} entries are {} cameras that stand still, with {} frames{}",
                   draft.cameras.size(), cameras.size(), frames.size(),
                   byTime ? "; \"time\" tells their order alone, for it has no unit" : ""));
+  if (!byTime && times.size() > 1)
+    draft.remarks.emplace_back(
+        RemarkCode::kLeftOut,
+        fmt::format("{} of {} entries have no \"time\": frames go by the numbers of the pictures, "
+                    "whose order is that of the times that are there",
+                    draft.cameras.size() - timed, draft.cameras.size()));
   draft.cameras = std::move(cameras);
   draft.frames = std::vector<int>(frames.begin(), frames.end());
   return {};

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/capture/spectrum.hpp"
 
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -87,6 +88,27 @@ Result<std::vector<CaptureSpectrum::Line>> linesOf(const std::vector<Sample>& sa
   return lines;
 }
 
+/// What a channel sees beyond the ends of its table counts as nothing.
+void remarkOnEnds(const std::vector<Sample>& samples, std::vector<Remark>& remarks) {
+  constexpr double kNothing = 0.05;  // of a channel's largest sensitivity
+  constexpr std::array kNames{"red", "green", "blue"};
+  Rgb largest = Rgb::Zero();
+  for (const Sample& sample : samples) largest = largest.max(sample.sensitivity);
+  for (const Sample& end : {samples.front(), samples.back()}) {
+    for (int c = 0; c < 3; ++c) {
+      const double share = end.sensitivity[c] / largest[c];
+      if (share > kNothing)
+        remarks.emplace_back(
+            RemarkCode::kDoubtful,
+            fmt::format(
+                "spectrum.sensitivities: the table ends at {:g} nm, where {} is {:.0f} % of "
+                "its largest: what the channel sees beyond is missing, and temperatures "
+                "are wrong for it; expected a table that goes to 0 at both ends",
+                end.wavelength, kNames[static_cast<std::size_t>(c)], 100 * share));
+    }
+  }
+}
+
 Result<Rgb> positive(const JsonValue& value) {
   VOLUTE_ASSIGN(const Vec3 numbers, value.vector());
   if (!(numbers.minCoeff() > 0))
@@ -155,7 +177,8 @@ Rgb CaptureSpectrum::sootEmission(double temperature) const {
   return scale * sum;
 }
 
-Result<CaptureSpectrum> readSpectrum(const JsonValue& value, const std::filesystem::path& folder) {
+Result<CaptureSpectrum> readSpectrum(const JsonValue& value, const std::filesystem::path& folder,
+                                     std::vector<Remark>& remarks) {
   CaptureSpectrum spectrum;
   if (const auto lines = value.find("lines"))  // as writeCapture() writes it
     return writtenSpectrum(value, *lines);
@@ -183,6 +206,7 @@ Result<CaptureSpectrum> readSpectrum(const JsonValue& value, const std::filesyst
       }
     }
     VOLUTE_ASSIGN(spectrum.lines, linesOf(samples, *table));
+    remarkOnEnds(samples, remarks);
   }
   if (const auto exponent = value.find("soot_exponent")) {
     constexpr double kMax = 4;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "volute/base/remark.hpp"
 #include "volute/base/result.hpp"
 #include "volute/math/vec.hpp"
 
@@ -42,7 +43,9 @@ struct CaptureSpectrum {
 double planck(double wavelength, double temperature);
 
 /// The member "spectrum" of a capture.json; tables are files relative to `folder`.
+/// @param remarks  gets what is doubtful
 [[nodiscard]] Result<CaptureSpectrum> readSpectrum(const JsonValue& value,
-                                                   const std::filesystem::path& folder);
+                                                   const std::filesystem::path& folder,
+                                                   std::vector<Remark>& remarks);
 
 }  // namespace volute

@@ -81,6 +81,12 @@ inline void writeRingPictures(const TempFolder& folder) {
   }
 }
 
+inline std::vector<std::string> sentences(const std::vector<Remark>& remarks) {
+  std::vector<std::string> sentences;
+  for (const Remark& remark : remarks) sentences.push_back(remark.sentence);
+  return sentences;
+}
+
 /// Expects an error whose message has `part`.
 template <class T>
 ::testing::AssertionResult failsWith(const Result<T>& result, const std::string& part) {

@@ -58,11 +58,4 @@ Result<CaptureOptions> captureOptionsOf(const Arguments& arguments, const Contex
   return options;
 }
 
-void remarkOn(const Capture& capture, Context& context) {
-  for (const auto& remark : capture.remarks)
-    context.progress.remark(
-        Remark(RemarkCode::kAssumed, fmt::format("{}: {}", capture.file.string(), remark))
-            .in(capture.file.string()));
-}
-
 }  // namespace volute::cli

@@ -19,7 +19,4 @@ std::vector<Option> captureOptionTable();
 [[nodiscard]] Result<CaptureOptions> captureOptionsOf(const Arguments& arguments,
                                                       const Context& context);
 
-/// Shows what reading a capture found worth saying: the convention of its coordinates first.
-void remarkOn(const Capture& capture, Context& context);
-
 }  // namespace volute::cli

@@ -130,11 +130,15 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
   }
   for (const std::string& text : refinement.faults) warnings.push_back(text);
   for (const std::string& text : outstandingCorrections(refinement)) warnings.push_back(text);
+  Json remarks = Json::array();
+  for (const Remark& remark : capture.remarks)
+    remarks.push_back({{"code", remarkName(remark.code)}, {"sentence", remark.sentence}});
   const Json cameras = camerasJson(capture, records);
   const CaptureVolume& volume = capture.volume;
   Json json = {{"format", "volute-reconstruction-report-1"},
                {"capture", capture.file.string()},
                {"calibration", capture.kind},
+               {"capture_remarks", remarks},
                {"pixel_centre", capture.pixelCentre},
                {"volume",
                 {{"min", jsonOf(volume.bounds.min)},

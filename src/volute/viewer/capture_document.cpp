@@ -13,7 +13,6 @@
 namespace volute {
 namespace {
 
-constexpr double kCaptureRate = 25;    ///< frames a second
 constexpr double kScreenShare = 0.12;  ///< of the distance from the cameras to the volume
 constexpr std::size_t kMaxRemarks = 4;
 constexpr int kMaxPixels = 512;  ///< across a screen; larger pictures are thinned out
@@ -71,13 +70,13 @@ Result<std::unique_ptr<Document>> CaptureDocument::open(const std::string& path,
 
 /// What reconstruct refuses, for here one sees why.
 void CaptureDocument::remarkOnFaults(std::uint64_t maxMemory) {
-  auto& remarks = capture_.remarks;
-  for (const GeometryFault& fault : checkGeometry(capture_)) remarks.push_back(fault.message);
+  for (const Remark& remark : capture_.remarks) remarks_.push_back(remark.sentence);
+  for (const GeometryFault& fault : checkGeometry(capture_)) remarks_.push_back(fault.message);
   const auto there = checkPicturesThere(capture_, false, maxMemory);
   if (!there)
-    remarks.push_back(there.error().message);
+    remarks_.push_back(there.error().message);
   else
-    remarks.insert(remarks.end(), there->begin(), there->end());
+    remarks_.insert(remarks_.end(), there->begin(), there->end());
 }
 
 DocumentInfo CaptureDocument::info() const {
@@ -88,14 +87,14 @@ DocumentInfo CaptureDocument::info() const {
                                capture_.frames.size() == 1 ? "" : "s"),
           .bounds = bounds_,
           .times = times(),
-          .remarks = capture_.remarks,
+          .remarks = remarks_,
           .stations = stations()};
 }
 
 std::vector<double> CaptureDocument::times() const {
   std::vector<double> times;
   for (const int frame : capture_.frames)
-    times.push_back((frame - capture_.firstFrame) / kCaptureRate);
+    times.push_back((frame - capture_.firstFrame) / capture_.framesPerSecond);
   if (times.empty())
     times = {0.0};
   return times;
@@ -122,7 +121,7 @@ std::vector<ViewStation> CaptureDocument::stations() const {
 }
 
 int CaptureDocument::frameAt(double time) const {
-  const double frame = capture_.firstFrame + time * kCaptureRate + 1e-6;
+  const double frame = capture_.firstFrame + time * capture_.framesPerSecond + 1e-6;
   const auto after = std::ranges::upper_bound(capture_.frames, frame);
   return after == capture_.frames.begin() ? capture_.frames.front() : *(after - 1);
 }

@@ -35,6 +35,7 @@ class CaptureDocument final : public Document {
 
   std::string path_;
   Capture capture_;
+  std::vector<std::string> remarks_;  ///< on the capture, and why it would be refused
   std::unique_ptr<CaptureImages> images_;
   Box3 bounds_;
   double screen_ = 1;  ///< [m], how far a screen is from its camera

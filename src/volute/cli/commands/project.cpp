@@ -67,7 +67,7 @@ Status runProject(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto options, captureOptionsOf(arguments, context));
   options.frames = {};
   VOLUTE_ASSIGN(const auto capture, openCalibration(arguments.positional(1), options));
-  remarkOn(capture, context);
+  remarkOn(capture, context.progress);
   VOLUTE_ASSIGN(auto subject, openSubject(arguments.positional(0), arguments, capture, context));
   VOLUTE_ASSIGN(const auto targets, projectedPictures(subject, capture, name));
   for (const std::string& target : targets) VOLUTE_TRY(checkTarget(target));

@@ -22,6 +22,7 @@
 #include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstruction_page.hpp"
 #include "volute/tomography/reconstruction_report.hpp"
+#include "volute/tomography/settings_check.hpp"
 #include "volute/tomography/soot_frames.hpp"
 #include "volute/volume_files/volume_input.hpp"
 #include "volute/volume_files/volume_writer.hpp"
@@ -55,37 +56,6 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   settings.flame = arguments.flag("temperature");
   settings.singleScattering = arguments.get<std::string>("lighting") == "single-scattering";
   return settings;
-}
-
-/// What the prior that is asked for does not have.
-Status checkPrior(const Arguments& arguments, const Capture& capture) {
-  const auto solver = arguments.get<std::string>("solver");
-  const auto prior = arguments.get<std::string>("regularization");
-  for (const char* name : {"lambda", "sparsity"}) {
-    if (arguments.given(name) && solver != "apg")
-      return fail(ErrorCode::kInvalidArgument,
-                  "--{} has no effect with --solver {}, which has no prior", name, solver);
-    const bool idle = prior == "none" || (std::string_view(name) == "sparsity" &&
-                                          (prior == "smooth" || prior == "wavelet"));
-    if (arguments.given(name) && idle)
-      return fail(ErrorCode::kInvalidArgument, "--{} has no effect with --regularization {}", name,
-                  prior);
-  }
-  if (arguments.get<double>("temporal") > 0) {
-    if (solver != "apg")
-      return fail(ErrorCode::kInvalidArgument,
-                  "--temporal has no effect with --solver {}, which has no prior", solver);
-    if (arguments.flag("no-warm-start"))
-      return fail(ErrorCode::kInvalidArgument,
-                  "--temporal has no effect with --no-warm-start: each frame is by itself");
-    constexpr std::size_t kMoving = 3;  // two of them tell the motion
-    if (capture.frames.size() < kMoving)
-      return fail(ErrorCode::kInvalidArgument,
-                  "--temporal has no effect on {} frame{}: it needs two before a frame, of whose "
-                  "motion it goes on",
-                  capture.frames.size(), capture.frames.size() == 1 ? "" : "s");
-  }
-  return {};
 }
 
 Status checkLighting(const Capture& capture) {
@@ -299,6 +269,7 @@ Status runLines(const Arguments& arguments, Context& context) {
     json["lines"] = found.records;
     VOLUTE_TRY(writeFile(*page, dumpJson(json) + "\n"));
   }
+  VOLUTE_TRY(writeStats(arguments, context, report.json()));
   context.print(report);
   return {};
 }
@@ -317,10 +288,9 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
     return runLines(arguments, context);
   VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
-  remarkOn(capture, context);
+  remarkOn(capture, context.progress);
   if (arguments.flag("velocity") && capture.frames.size() < 2)
     return fail(ErrorCode::kInvalidArgument, "--velocity: needs two frames or more");
-  VOLUTE_TRY(checkPrior(arguments, capture));
   bool inTurn = false;
   VOLUTE_ASSIGN(const auto heldOut, heldOutOf(arguments, inTurn));
   if (inTurn && (context.team.size() > 1 || target == "-")) {
@@ -328,10 +298,12 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                 "--hold-out auto: for one process, and an output with a name");
   }
   auto settings = settingsOf(arguments, capture, context);
+  VOLUTE_TRY(checkSettings(settings, capture));
   if (settings.singleScattering)
     VOLUTE_TRY(checkLighting(capture));
   if (settings.flame)
     VOLUTE_TRY(checkTemperature(capture, settings));
+  remarkOnUnused(settings, capture, context.progress);
   const VolumeGeometry geometry{capture.volume.bounds, capture.volume.resolution};
   VOLUTE_TRY(checkVolumeSize(geometry, context.maxMemory));
   VOLUTE_TRY(checkCapture(capture, heldOut, settings.force, context.maxMemory, context.progress));
@@ -397,7 +369,7 @@ std::vector<Option> solverOptions() {
        .kind = kNumber,
        .value = "F",
        .help = "strength of the prior, relative to the largest eigenvalue of S'S; if not given, "
-               "chosen from the data",
+               "chosen from the data, or 1e-5 with smooth and wavelet",
        .least = 0},
       {.name = "sparsity",
        .kind = kNumber,
@@ -479,7 +451,7 @@ std::vector<Option> reconstructOptionTable() {
       {.name = "report",
        .kind = kOutput,
        .value = "FILE.json",
-       .help = "write all measurements, and FILE.html with plots and pictures"},
+       .help = "write all measurements, and of cameras FILE.html with plots and pictures"},
       statsOption(),
       {.name = "max-saturated",
        .kind = kNumber,
