@@ -36,13 +36,14 @@ Status checkTemporal(const ReconstructionSettings& settings, const Capture& capt
     return idle("temporal", "on a medium that lamps light: each frame is by itself");
   constexpr std::size_t kMoving = 3;  // two of them tell the motion
   if (capture.frames.size() < kMoving)
-    return idle("temporal", fmt::format("on {} frame{}: it needs two before a frame, of whose "
-                                        "motion it goes on",
-                                        capture.frames.size(),
-                                        capture.frames.size() == 1 ? "" : "s"));
+    return idle("temporal",
+                fmt::format("on {} frame{}: it needs two before a frame, of whose "
+                            "motion it goes on",
+                            capture.frames.size(), capture.frames.size() == 1 ? "" : "s"));
   if (!anyFrameGoesOn(capture, settings.warmStart))
-    return idle("temporal", "on these frames: it needs two before a frame, as far apart as that is "
-                            "from the second, of whose motion it goes on");
+    return idle("temporal",
+                "on these frames: it needs two before a frame, as far apart as that is "
+                "from the second, of whose motion it goes on");
   return {};
 }
 
