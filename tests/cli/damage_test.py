@@ -52,6 +52,8 @@ class Damage(support.TestCase):
         self.assertIn("damaged", result.message)
         self.assertEqual(read_npy(self.path("x.npy").read_bytes())[0], (4, 18, 18, 18))
         self.works("render", self.bad, "-o", self.path("x.png"), "--size", "4x4", "--partial")
+        self.works("compress", self.bad, "-o", self.path("again.volute"), "--partial", "--rms", "0.1")
+        self.assertIn("bad.volute; damaged: ", self.works("info", self.path("again.volute"), "--json").json["provenance"])
 
 
 if __name__ == "__main__":

@@ -119,7 +119,7 @@ class Usage(support.TestCase):
         strict = self.fails(1, "compress", source, "-o", self.path("x.volute"), "--rms", "0.1", "--strict")
         self.assertRegex(strict.splitlines()[-1], "also has heat.*--field")
         self.assertFalse(self.path("x.volute").exists())
-        self.works("compress", source, "--field", "heat", "--fps", "25", "-o", self.path("x.volute"), "--rms", "0.1", "--strict")
+        self.works("compress", source, "--field", "heat", "--fps", "25", "--bounds", "0,0,0,1,1,1", "-o", self.path("x.volute"), "--rms", "0.1", "--strict")
 
     def test_results_that_cannot_be_written_are_an_error(self):
         with open("/dev/full", "wb") as full:

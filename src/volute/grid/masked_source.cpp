@@ -79,6 +79,7 @@ class MaskedSource final : public WrappedSource {
       if (std::all_of(tile.value.begin(), tile.value.begin() + bricks.channels(), hasValue))
         finite.addTile(tile);
     }
+    finite.setLeftOut(bricks.leftOut());
     bricks = std::move(finite);
     return {};
   }

@@ -131,7 +131,8 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
                     {"max_error_at", worstPlaceJson(one, grid.info)},
                     {"faint_frames", faintFramesJson(one, grid.info)},
                     {"minimum", one.valueMin},
-                    {"maximum", one.valueMax}});
+                    {"maximum", one.valueMax},
+                    {"replaced_values", grid.replaced}});
     text += fmt::format("\n  {:<16} ", grid.name);
     text +=
         empty ? std::string("empty")

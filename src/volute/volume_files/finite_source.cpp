@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <functional>
 
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_matrix.hpp"
@@ -43,6 +44,65 @@ std::optional<std::pair<VoxelIndex, float>> notFiniteIn(const Bricks& bricks) {
   }
   return std::nullopt;
 }
+
+/// Counts what is replaced in the layers that are read.
+class CountedSource final : public WrappedSource {
+ public:
+  CountedSource(std::unique_ptr<FrameSource> source, std::shared_ptr<ReplacedValues> counts)
+      : WrappedSource(std::move(source)), counts_(std::move(counts)) {}
+
+  Status readFrame(int index, std::span<float> values) override {
+    VOLUTE_TRY(source_->readFrame(index, values));
+    count(index, 0, values);
+    return {};
+  }
+
+  Status readLayers(int index, int first, int end, std::span<float> values) override {
+    VOLUTE_TRY(source_->readLayers(index, first, end, values));
+    count(index, first, values);
+    return {};
+  }
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
+    if (!notFiniteIn(bricks))
+      return {};
+    std::map<std::int64_t, std::uint64_t> layers;
+    for (std::size_t i = 0; i < bricks.leaves().size(); ++i) {
+      const auto& leaf = bricks.leaves()[i];
+      const auto values = std::as_const(bricks).values(i);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        const std::size_t at = k % Bricks::kVoxels;
+        if (!isFinite(values[k]) && (leaf.valued[at / 64] >> at % 64 & 1) != 0)
+          ++layers[leaf.origin[2] + static_cast<std::int64_t>(at / 64)];
+      }
+    }
+    const IndexBox slab{{0, 0, first}, {info().x, info().y, end}};
+    for (const Bricks::Tile& tile : bricks.tiles()) {
+      const auto bad = static_cast<std::uint64_t>(std::count_if(
+          tile.value.begin(), tile.value.begin() + bricks.channels(), std::not_fn(isFinite)));
+      const IndexBox part = tile.box().intersection(slab);
+      for (std::int64_t z = part.begin[2]; bad > 0 && z < part.end[2]; ++z)
+        layers[z] += bad * static_cast<std::uint64_t>(part.size(0) * part.size(1));
+    }
+    for (const auto& [layer, count] : layers) {
+      if (layer >= first && layer < end)
+        counts_->set(index, static_cast<int>(layer), count);
+    }
+    return {};
+  }
+
+ private:
+  void count(int index, int first, std::span<const float> values) {
+    const std::size_t layer = info().frameValues() / static_cast<std::size_t>(info().z);
+    for (std::size_t at = 0; at < values.size(); at += layer) {
+      const auto bad = std::ranges::count_if(values.subspan(at, layer), std::not_fn(isFinite));
+      counts_->set(index, first + static_cast<int>(at / layer), static_cast<std::uint64_t>(bad));
+    }
+  }
+
+  std::shared_ptr<ReplacedValues> counts_;
+};
 
 class FiniteSource final : public WrappedSource {
  public:
@@ -147,10 +207,24 @@ class FiniteSource final : public WrappedSource {
 
 }  // namespace
 
+void ReplacedValues::set(int frame, int layer, std::uint64_t count) {
+  if (count > 0)
+    counts_[{frame, layer}] = count;
+}
+
+std::uint64_t ReplacedValues::count() const {
+  std::uint64_t all = 0;
+  for (const auto& [layer, count] : counts_) all += count;
+  return all;
+}
+
 std::unique_ptr<FrameSource> asFinite(std::unique_ptr<FrameSource> source, NotFinite what,
-                                      const std::string& path) {
+                                      const std::string& path,
+                                      std::shared_ptr<ReplacedValues> counts) {
   if (what == NotFinite::kKeep)
     return source;
+  if (counts && what != NotFinite::kRefuse)
+    source = std::make_unique<CountedSource>(std::move(source), std::move(counts));
   if (what == NotFinite::kInactive)
     return withoutHoles(std::move(source));
   return std::make_unique<FiniteSource>(std::move(source), what, path);

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "volute/base/output_file.hpp"
+#include "volute/base/remark_log.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/wrapped_source.hpp"
@@ -70,6 +71,34 @@ class ToldSource final : public WrappedSource {
   bool told_ = false;
 };
 
+/// Adds up what all ranks have replaced, and tells it.
+Result<std::uint64_t> tellReplaced(const std::string& path, const std::string& grid,
+                                   const ReplacedValues& values, NotFinite what, Reading& reading,
+                                   Team& team) {
+  std::uint64_t count = values.count();
+  VOLUTE_TRY(team.sum(std::span(&count, 1)));
+  if (count > 0) {
+    reading.progress.remark(
+        Remark(RemarkCode::kChanged,
+               fmt::format("{}: '{}': {} value{} {}", path, grid, count,
+                           count == 1 ? " is no finite number" : "s are no finite numbers",
+                           what == NotFinite::kInactive ? "and left out: their voxels are inactive"
+                                                        : "and replaced by the background"))
+            .in(path));
+  }
+  return count;
+}
+
+/// Of what was read of a damaged file: whatever is made of it is not whole.
+void addDamage(const RemarkLog& log, const std::string& path, CompressOptions& options) {
+  for (const Remark& remark : log.remarks()) {
+    const std::string_view sentence = remark.sentence;
+    if (remark.code == RemarkCode::kDamaged)
+      options.provenance += fmt::format(
+          "; {}", sentence.substr(sentence.starts_with(path + ": ") ? path.size() + 2 : 0));
+  }
+}
+
 /// The volume may be a part of the cache's.
 void placeWithin(const Box3& bounds, GridDescription& grid) {
   for (int axis = 0; axis < 3 && grid.matrices.empty(); ++axis) {
@@ -125,7 +154,8 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   if (grid.empty)
     return {};
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
-  source = asFinite(std::move(source), how_.notFinite, target_);
+  const auto replaced = std::make_shared<ReplacedValues>();
+  source = asFinite(std::move(source), how_.notFinite, target_, replaced);
   source = std::make_unique<ToldSource>(std::move(source), target_, reading_.progress);
   source = asStated(std::move(source), how_.stated);
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
@@ -142,6 +172,8 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
     return fail(report.error().code, report.error().hints, "grid '{}': {}", grid.name,
                 report.error().message);
   }
+  VOLUTE_ASSIGN(done_.back().replaced,
+                tellReplaced(target_, grid.name, *replaced, how_.notFinite, reading_, team_));
   done_.back().info = source->info();
   done_.back().report = *report;
   return {};
@@ -271,6 +303,8 @@ class PlacedGrid final : public VolumeGrids {
  public:
   PlacedGrid(std::string path, InputOptions options, const VolumeInput& input, Reading& reading)
       : path_(std::move(path)), options_(std::move(options)), reading_(reading) {
+    if (options_.notFinite != NotFinite::kRefuse)
+      options_.notFinite = NotFinite::kKeep;  // compressGrids() replaces and counts them
     const VolumeInfo& info = input.source->info();
     const Vec3 voxel = info.voxelSize(), origin = info.bounds.min + 0.5 * voxel;
     GridDescription grid;
@@ -306,6 +340,19 @@ void remarkOnTimes(const std::string& path, const VolumeInfo& info, Reading& rea
                                    fmt::format("{}: no times are stated; 25 frames a second", path),
                                    {Hint::set("fps")})
                                 .in(path));
+}
+
+/// Of files that state none in any way.
+void remarkOnBounds(const std::string& path, const InputOptions& input, Reading& reading) {
+  std::error_code error;
+  const bool numpy = isNumpyPath(path) || (std::filesystem::is_directory(path, error) &&
+                                           volumesIn(path).value_or("") == ".npy");
+  if (!input.bounds && (numpy || input.raw))
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: no bounds are stated; the longest side is 1 m", path),
+               {Hint::set("bounds")})
+            .in(path));
 }
 
 /// The bytes that `target` allows a file.
@@ -349,7 +396,7 @@ void remarkOnValuesApart(const std::string& grid, const CompressReport& report, 
 
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
 Result<std::optional<Report>> compressCache(const std::string& path, const std::string& target,
-                                            const GridCompression& how, const InputOptions& input,
+                                            GridCompression how, const InputOptions& input,
                                             Reading& reading, Team& team) {
   const bool one = gridNames(input.grid).size() == 1 && how.keep.empty();
   if (input.raw || !VolumeGrids::mayBe(path)) {
@@ -437,8 +484,12 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   }
   remarkOnFiles(path, reading);
   for (const std::size_t i : chosen) {
-    if (input.partial && isVolutePath(path) && !all[i].empty)
-      VOLUTE_TRY(openVolute(path, true, reading, true, all[i].name));
+    if (!input.partial || !isVolutePath(path) || all[i].empty)
+      continue;
+    RemarkLog log(reading.progress);
+    Reading logged = reading.with(log);
+    VOLUTE_TRY(openVolute(path, true, logged, true, all[i].name));
+    addDamage(log, path, how.options);
   }
   VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team, kept));
   const VolumeInfo& frames = result.frames;
@@ -524,23 +575,33 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   InputOptions finite = input;
   finite.notFinite = how.notFinite;
   finite.stated = how.stated;
-  VOLUTE_ASSIGN(auto volume, openVolume(path, finite, reading));
+  RemarkLog log(reading.progress);
+  Reading logged = reading.with(log);
+  VOLUTE_ASSIGN(auto volume, openVolume(path, finite, logged));
+  CompressOptions options = how.options;
+  addDamage(log, path, options);
   if (!volume.places.empty()) {
     const PlacedGrid grid(path, std::move(finite), volume, reading);
     VOLUTE_ASSIGN(const auto result, compressGrids(grid, {0}, target, how, reading, team));
     return compressionReport(target, result, result.frames.frames, std::nullopt);
   }
   remarkOnTimes(path, volume.source->info(), reading);
+  remarkOnBounds(path, input, reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
   volume.source = std::make_unique<ToldSource>(std::move(volume.source), path, reading.progress);
   VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
-  VOLUTE_ASSIGN(const auto result, compress(*source, target, how.options, reading.progress, team));
+  VOLUTE_ASSIGN(const auto result, compress(*source, target, options, reading.progress, team));
+  VOLUTE_ASSIGN(
+      const std::uint64_t replaced,
+      tellReplaced(path, source->info().name, *volume.replaced, how.notFinite, reading, team));
   remarkOnSize(target, how.options.target, result.rawBytes, result.fileBytes, result.support.rms,
                reading);
   remarkOnValuesApart(path, result, reading);
-  return compressionReport(target, source->info(), result,
-                           whole ? bytesOnDisk(path) : std::nullopt);
+  Report finished =
+      compressionReport(target, source->info(), result, whole ? bytesOnDisk(path) : std::nullopt);
+  finished.add("replaced_values", replaced, replaced > 0 ? fmt::format("{}", replaced) : "");
+  return finished;
 }
 
 Result<std::map<std::string, double>> parseGridRms(const std::string& text) {

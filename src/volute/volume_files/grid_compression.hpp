@@ -37,6 +37,7 @@ struct CompressedGrid {
   std::string name;
   VolumeInfo info;  ///< of an empty one x is 0
   CompressReport report{};
+  std::uint64_t replaced = 0;  ///< values that were no finite numbers
 };
 
 struct CompressedGrids {

@@ -15,6 +15,15 @@
 namespace volute {
 namespace {
 
+void remarkOnGaps(const std::string& path, const VolumeInfo& info, Reading& reading) {
+  if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed, fmt::format("{}: {}; until the next one the frame before is "
+                                                 "shown, unless frames are interpolated",
+                                                 path, gaps))
+            .in(path));
+}
+
 Status refuseVolumeOptions(const std::string& path, const InputOptions& options) {
   if (options.bounds) {
     return fail(ErrorCode::kInvalidArgument, Hint::leaveOut("bounds"),
@@ -133,6 +142,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
     VOLUTE_TRY(refuseVolumeOptions(path, options));
     VOLUTE_ASSIGN(input.reader, openGrid(path, options, reading));
     input.source = frameSource(input.reader);
+    remarkOnGaps(path, input.source->info(), reading);
     const auto& shares = input.reader->header().amounts.shares;
     input.amounts.assign(shares.begin(), shares.end());
     if (const auto& description = input.reader->grid().description) {
@@ -175,13 +185,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   if (const auto* counted = dynamic_cast<const CountedFrames*>(input.source.get()))
     input.amounts = counted->amounts();
   remarkOnFiles(path, reading);
-  const VolumeInfo& info = input.source->info();
-  if (const auto gaps = missingNumbers(info.frameNumbers, info.frameScale); !gaps.empty())
-    reading.progress.remark(
-        Remark(RemarkCode::kAssumed, fmt::format("{}: {}; until the next one the frame before is "
-                                                 "shown, unless frames are interpolated",
-                                                 path, gaps))
-            .in(path));
+  remarkOnGaps(path, input.source->info(), reading);
   return input;
 }
 
@@ -190,7 +194,8 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
 Result<VolumeInput> openVolume(const std::string& path, const InputOptions& options,
                                Reading& reading) {
   VOLUTE_ASSIGN(auto input, openAsStated(path, options, reading));
-  input.source = asFinite(std::move(input.source), options.notFinite, path);
+  input.replaced = std::make_shared<ReplacedValues>();
+  input.source = asFinite(std::move(input.source), options.notFinite, path, input.replaced);
   input.source = asStated(std::move(input.source), options.stated);
   return input;
 }

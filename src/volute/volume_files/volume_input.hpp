@@ -44,6 +44,7 @@ struct VolumeInput {
   std::vector<double> amounts{};  ///< how much is in each frame, in any unit; empty: not known
   std::string writer{};           ///< the program whose up axis it has; empty: it says so, or not
   std::string gridClass{};        ///< "fog volume"; empty: unknown
+  std::shared_ptr<ReplacedValues> replaced{};  ///< by InputOptions::notFinite, of what was read
 };
 
 /// An error unless the volume lies along the axes, in one place: of who makes something of its
