@@ -66,6 +66,33 @@ bool sameGrid(const VolumeInfo& a, const VolumeInfo& b) {
          (a.bounds.max - b.bounds.max).cwiseAbs().maxCoeff() <= tolerance;
 }
 
+/// One up axis for all parts, the one that is stated.
+Status settleUp(std::vector<Part>& parts, Progress& progress) {
+  const auto stated =
+      std::ranges::find_if(parts, [](const Part& part) { return part.info().up != 0; });
+  if (stated == parts.end())
+    return {};
+  const char up = stated->info().up;
+  for (Part& part : parts) {
+    char& own = part.head.info.up;
+    if (own != 0 && own != up) {
+      return fail(ErrorCode::kInvalidData,
+                  "{} and {} do not fit together: {} points upwards in one and {} in the other; "
+                  "expected one up axis in all parts",
+                  stated->name(), part.name(), up, own);
+    }
+    if (own == 0) {
+      progress.remark(
+          Remark(RemarkCode::kAssumed,
+                 fmt::format("{}: does not say which axis points upwards; {} is taken, as {} says",
+                             part.name(), up, stated->name()))
+              .in(part.name()));
+    }
+    own = up;
+  }
+  return {};
+}
+
 Status checkPair(const Part& before, const Part& part) {
   if (!sameGrid(before.info(), part.info())) {
     return fail(ErrorCode::kInvalidData, "{} and {} do not fit together: {}, and {}", before.name(),
@@ -411,7 +438,7 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
     }
   }
   VOLUTE_TRY(out.commit(headBytes, std::span(&head, 1), progress));
-  return JoinReport{head.info.frames, true, 0, head.header.reachedRms, head.header.reachedMaxError,
+  return JoinReport{head.info,     true, 0, head.header.reachedRms, head.header.reachedMaxError,
                     head.fileBytes};
 }
 
@@ -436,12 +463,15 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& fram
   how.sourceMaxError = errors.most;
   how.halves = halves;
   VOLUTE_ASSIGN(const auto written, compress(frames, target, how, progress));
-  return JoinReport{frames.info().frames,
+  JoinReport report{frames.info(),
                     false,
                     written.relativeRms,
                     written.relativeRms + errors.relative(errors.rms),
                     written.maxError + errors.most,
                     written.fileBytes};
+  if (!written.faintFrames.empty())
+    report.faint.push_back({frames.info().name, written.faintFrames});
+  return report;
 }
 
 /// One grid through all files.
@@ -487,7 +517,7 @@ class GridJoin {
     copies_ = maySettleOnCopies();
     std::vector<PendingFile> pending;
     std::vector<BundledGrid> bundled;
-    JoinReport report{frames_.frames, true, 0, 0, 0, 0};
+    JoinReport report{frames_, true, 0, 0, 0, 0};
     for (const GridParts& grid : grids_) {
       BundledGrid& row = bundled.emplace_back();
       row.name = grid.name;
@@ -502,6 +532,7 @@ class GridJoin {
       report.partsRms = std::max(report.partsRms, one.partsRms);
       report.relativeRms = std::max(report.relativeRms, one.relativeRms);
       report.maxError = std::max(report.maxError, one.maxError);
+      report.faint.insert(report.faint.end(), one.faint.begin(), one.faint.end());
     }
     FrameMetadata ofFiles;
     for (const Part& file : files_) append(ofFiles, file.head.fileMetadata, file.info().frames);
@@ -532,6 +563,7 @@ class GridJoin {
           continue;
         grid.of.back() = grid.parts.size();
         VOLUTE_ASSIGN(auto part, openPart(file.file.path(), options_.maxMemory, grid.name));
+        part.head.info.up = frames_.up;
         grid.parts.push_back(std::move(part));
       }
     }
@@ -763,6 +795,7 @@ Result<JoinReport> join(const std::vector<std::filesystem::path>& paths,
   }
   std::ranges::stable_sort(parts, {},
                            [](const Part& part) { return part.info().frameNumbers.front(); });
+  VOLUTE_TRY(settleUp(parts, progress));
   const bool plain = std::ranges::all_of(parts, isPlain);
   for (std::size_t i = 1; i < parts.size(); ++i) {
     if (plain)

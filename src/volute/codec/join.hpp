@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/codec/compress.hpp"
 
 namespace volute {
 
@@ -21,7 +23,13 @@ struct JoinOptions {
 };
 
 struct JoinReport {
-  int frames = 0;
+  /// The faint frames of a grid that was encoded again: their errors are to the parts.
+  struct Faint {
+    std::string grid;
+    std::vector<FaintFrame> frames;
+  };
+
+  VolumeInfo info;  ///< frames and times of the whole
   /// True when blocks were copied as they are: every value of the joined file is exactly that of
   /// its part.
   bool copied = false;
@@ -29,6 +37,7 @@ struct JoinReport {
   double relativeRms = 0;  ///< to the originals, at most; relative to the range of all parts
   double maxError = 0;     ///< to the originals, at most; absolute
   std::uint64_t fileBytes = 0;
+  std::vector<Faint> faint{};
 };
 
 /// Puts .volute files together in the order of their frame numbers, which must not
@@ -44,8 +53,9 @@ struct JoinReport {
 /// itself. Its volume becomes the least around those of all files, with the cache's background
 /// where a file has none; errors are those of the worst grid.
 ///
-/// kInvalidData, with the names of both files, when grids, bounds, channels, basis, units or frames
-/// do not fit together.
+/// kInvalidData, with the names of both files, when grids, bounds, channels, basis, units, up axes
+/// or frames do not fit together. Where a part states no up axis, that of the others is taken,
+/// which is remarked.
 [[nodiscard]] Result<JoinReport> join(const std::vector<std::filesystem::path>& parts,
                                       const std::filesystem::path& target,
                                       const JoinOptions& options, Progress& progress);

@@ -37,6 +37,12 @@ Sequence periodic(int frames) {
   return sequence;
 }
 
+struct Told final : Progress {
+  void remark(const Remark& one) override { all.push_back(one); }
+
+  std::vector<Remark> all;
+};
+
 class JoinTest : public ::testing::Test {
  protected:
   std::filesystem::path pack(const std::string& name, const Sequence& sequence, double rms = 3e-3) {
@@ -118,12 +124,6 @@ TEST_F(JoinTest, CopiesBlocksThatWereCompressedApart) {
 }
 
 TEST_F(JoinTest, TimesThatAreMovedAreTold) {
-  struct Told final : Progress {
-    void remark(const Remark& one) override { all.push_back(one); }
-
-    std::vector<Remark> all;
-  };
-
   const Sequence whole = periodic(32);
   const auto a = pack("a.volute", partOf(whole, 0, 16));
   const auto b = pack("b.volute", partOf(whole, 16, 32));
@@ -139,6 +139,24 @@ TEST_F(JoinTest, TimesThatAreMovedAreTold) {
   EXPECT_THAT(told.all[0].sentence,
               ::testing::AllOf(::testing::HasSubstr("c.volute: begins at 0 s"),
                                ::testing::HasSubstr("moved by")));
+}
+
+TEST_F(JoinTest, PartsHaveOneUpAxis) {
+  const Sequence whole = plumes(12, 4, 4, 4);
+  Sequence first = partOf(whole, 0, 4), second = partOf(whole, 4, 8);
+  second.info.up = 'y';
+  const auto a = pack("a.volute", first), b = pack("b.volute", second);
+  Told told;
+  ASSERT_TRUE(join({a, b}, scratch.path(), {}, told));
+  ASSERT_EQ(told.all.size(), 1U);
+  EXPECT_EQ(told.all[0].code, RemarkCode::kAssumed);
+  EXPECT_THAT(told.all[0].sentence, ::testing::HasSubstr("a.volute: does not say which axis"));
+  EXPECT_EQ(VoluteReader::open(scratch.path()).value().info().up, 'y');
+  std::filesystem::remove(scratch.path());
+  Sequence third = partOf(whole, 8, 12);
+  third.info.up = 'x';
+  EXPECT_NE(messageOf({a, b, pack("c.volute", third)}).find("y points upwards in one and x in"),
+            std::string::npos);
 }
 
 TEST_F(JoinTest, JoinedFilesCanBeJoined) {
@@ -311,7 +329,7 @@ TEST_F(JoinGridsTest, BlocksOfEachGridAreCopied) {
   const auto report = joined({b, a});
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_TRUE(report->copied);
-  EXPECT_EQ(report->frames, 37);
+  EXPECT_EQ(report->info.frames, 37);
   EXPECT_EQ(report->fileBytes, std::filesystem::file_size(scratch.path()));
   for (const char* name : {"density", "flame"}) {
     const auto first = valuesOf(a, name), second = valuesOf(b, name),

@@ -44,9 +44,9 @@ nlohmann::ordered_json frameJson(const VolumeInfo& info, int position) {
   return jsonFrame(info.frameNumbers[at], info.frameScale);
 }
 
-nlohmann::ordered_json faintFramesJson(const CompressReport& one, const VolumeInfo& info) {
+nlohmann::ordered_json faintFramesJson(std::span<const FaintFrame> faint, const VolumeInfo& info) {
   auto list = nlohmann::ordered_json::array();
-  for (const FaintFrame& frame : one.faintFrames) {
+  for (const FaintFrame& frame : faint) {
     list.push_back({{"frame", frameJson(info, frame.position)},
                     {"range", frame.range},
                     {"relative_rms", jsonNumber(frame.relativeRms)}});
@@ -55,17 +55,17 @@ nlohmann::ordered_json faintFramesJson(const CompressReport& one, const VolumeIn
 }
 
 /// The first of them by name.
-std::string faintFramesText(const CompressReport& one, const VolumeInfo& info) {
+std::string faintFramesText(std::span<const FaintFrame> faint, const VolumeInfo& info) {
   constexpr std::size_t kNamed = 4;
   std::string text;
-  for (std::size_t i = 0; i < std::min(kNamed, one.faintFrames.size()); ++i) {
-    const FaintFrame& frame = one.faintFrames[i];
+  for (std::size_t i = 0; i < std::min(kNamed, faint.size()); ++i) {
+    const FaintFrame& frame = faint[i];
     text += fmt::format("{}frame {} spans {:.3g}: relative to that {:.3g}", i > 0 ? "; " : "",
                         info.frameText(static_cast<std::size_t>(frame.position)), frame.range,
                         frame.relativeRms);
   }
-  if (one.faintFrames.size() > kNamed)
-    text += fmt::format("; and {} more", one.faintFrames.size() - kNamed);
+  if (faint.size() > kNamed)
+    text += fmt::format("; and {} more", faint.size() - kNamed);
   return text;
 }
 
@@ -84,6 +84,18 @@ nlohmann::ordered_json worstPlaceJson(const CompressReport& one, const VolumeInf
 }
 
 }  // namespace
+
+void addFaintFrames(Report& report, std::span<const JoinReport::Faint> faint,
+                    const VolumeInfo& info) {
+  auto list = nlohmann::ordered_json::array();
+  std::string text;
+  for (const JoinReport::Faint& grid : faint) {
+    list.push_back({{"grid", grid.grid}, {"frames", faintFramesJson(grid.frames, info)}});
+    text += fmt::format("{}'{}': {}", text.empty() ? "" : "; ", grid.grid,
+                        faintFramesText(grid.frames, info));
+  }
+  report.add("faint_frames", list, text);
+}
 
 void addKept(Report& report, std::span<const KeptResult> kept) {
   auto list = nlohmann::ordered_json::array();
@@ -129,7 +141,7 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
                     {"psnr", jsonNumber(empty ? INFINITY : psnr)},
                     {"max_error", one.maxError},
                     {"max_error_at", worstPlaceJson(one, grid.info)},
-                    {"faint_frames", faintFramesJson(one, grid.info)},
+                    {"faint_frames", faintFramesJson(one.faintFrames, grid.info)},
                     {"minimum", one.valueMin},
                     {"maximum", one.valueMax},
                     {"replaced_values", grid.replaced}});
@@ -143,7 +155,7 @@ Report compressionReport(const std::string& target, const CompressedGrids& resul
                     100 * one.support.share, supportRangeText(one), bytesText(one.fileBytes),
                     one.support.rms, one.relativeRms, one.maxError, worstPlaceText(one, grid.info));
     if (!one.faintFrames.empty())
-      text += fmt::format("\n    faint: {}", faintFramesText(one, grid.info));
+      text += fmt::format("\n    faint: {}", faintFramesText(one.faintFrames, grid.info));
   }
   const double speed =
       static_cast<double>(result.rawBytes()) / 1e6 / std::max(result.seconds, 1e-9);
@@ -179,7 +191,8 @@ Report compressionReport(const std::string& target, const VolumeInfo& info,
            fmt::format("{:.4g} % of all voxels", 100 * support.share))
       .add("support_range", {support.low, support.high}, supportRangeText(result))
       .add("robust_range", support.robust, "")
-      .add("faint_frames", faintFramesJson(result, info), faintFramesText(result, info))
+      .add("faint_frames", faintFramesJson(result.faintFrames, info),
+           faintFramesText(result.faintFrames, info))
       .add("relative_rms", result.relativeRms,
            fmt::format("{:.6g} (over all voxels)", result.relativeRms))
       .add("psnr", jsonNumber(-20 * std::log10(result.relativeRms)),

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 
+#include "volute/codec/join.hpp"
 #include "volute/report/report.hpp"
 #include "volute/volume_files/grid_compression.hpp"
 
@@ -20,6 +21,10 @@ Report compressionReport(const std::string& target, const VolumeInfo& info,
 /// The same of several grids, and a row for each of them.
 Report compressionReport(const std::string& target, const CompressedGrids& result, int frames,
                          std::optional<std::uint64_t> inputBytes);
+
+/// The faint frames of grids that join() encoded again.
+void addFaintFrames(Report& report, std::span<const JoinReport::Faint> faint,
+                    const VolumeInfo& info);
 
 /// A row for each grid that a file keeps as bytes.
 void addKept(Report& report, std::span<const KeptResult> kept);

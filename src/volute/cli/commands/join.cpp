@@ -5,6 +5,8 @@
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/volume_output.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/volume_files/compression_report.hpp"
 #include "volute/volume_files/volume_input.hpp"
 
 namespace volute::cli {
@@ -25,14 +27,21 @@ Status runJoin(const Arguments& arguments, Context& context) {
   const JoinOptions options{arguments.find<double>("rms"), context.maxMemory,
                             arguments.find<double>("fps")};
   VOLUTE_ASSIGN(const auto result, join(parts, target, options, context.progress));
+  const VolumeInfo& frames = result.info;
+  if (const auto gaps = missingNumbers(frames.frameNumbers, frames.frameScale); !gaps.empty()) {
+    context.progress.remark(
+        Remark(RemarkCode::kDoubtful, fmt::format("{}: {}; a part may be missing", target, gaps))
+            .in(target));
+  }
   Report report;
   report.add("output", target)
       .add("parts", parts.size(), fmt::format("{}", parts.size()))
-      .add("frames", result.frames, fmt::format("{}", result.frames))
+      .add("frames", frames.frames, fmt::format("{}", frames.frames))
       .add("exact", result.copied,
            result.copied ? "yes: blocks were copied as they are" : "no: decoded and encoded again")
-      .add("relative_rms_to_parts", result.partsRms)
-      .add("relative_rms", result.relativeRms)
+      .add("relative_rms_to_parts", result.partsRms);
+  addFaintFrames(report, result.faint, frames);
+  report.add("relative_rms", result.relativeRms)
       .add("max_error", result.maxError)
       .add("bytes", result.fileBytes, bytesText(result.fileBytes));
   context.print(report);
@@ -48,8 +57,9 @@ Command joinCommand() {
       .examples = {"volute join part1.volute part2.volute -o fire.volute"},
       .description =
           "For sequences reconstructed or compressed in parts, on several machines. The parts may "
-          "be given in any order; they must have the same voxels, bounds, channels and basis, and "
-          "frame numbers that do not overlap. All grids of caches are joined, by name: their "
+          "be given in any order; they must have the same voxels, bounds, channels, basis and up "
+          "axis, and frame numbers that do not overlap; a gap between them is told. All grids of "
+          "caches are joined, by name: their "
           "extents may differ, and a part may lack a grid; the joined grid has the smallest "
           "extent that contains all parts, with the cache's background elsewhere.\n\nIf all parts "
           "but the last have a multiple of 16 frames and the same extent, and blocks of all parts "
@@ -58,12 +68,14 @@ Command joinCommand() {
           "copied and no value changes; parts compressed separately keep their quantisation. The "
           "result states the RMS over all parts, relative to their common range, and the largest "
           "of their maximum errors. Other parts are decoded and encoded again, which adds to "
-          "their error: the result says how much, and the file states the sum as a bound for the "
-          "error to the originals.",
+          "their error: the result says how much, with the frames that span less than a tenth of "
+          "the common range, and the file states the sum as a bound for the error to the "
+          "originals.",
       .positionals = {{.name = "PART", .help = ".volute files", .several = true}},
       .options = {outputOption("OUT.volute", "the file to write"),
-                  rmsOption("relative RMS error to the parts if they must be encoded again; if not "
-                            "given, as large as their own"),
+                  rmsOption(
+                      "RMS error to the parts if they must be encoded again, relative to their "
+                      "common range; if not given, as large as their own"),
                   rateOption(
                       "frames per second of the whole: frame n is at (n - first) / F; if not "
                       "given, the times of the parts")},
