@@ -80,8 +80,8 @@ class ArrayFileSource final : public LayerwiseSource {
   Status open(const SourceOptions& options) {
     VOLUTE_ASSIGN(const std::string reply, ask(ArrayRequest::What::kDescribe, 0));
     VOLUTE_ASSIGN(facts_, fromMessage<ArrayFacts>(reply));
-    for (char* text :
-         {facts_.name, facts_.unit, facts_.others, facts_.order, facts_.unitless, facts_.doubt})
+    for (char* text : {facts_.name, facts_.unit, facts_.others, facts_.order, facts_.unitless,
+                       facts_.doubt, facts_.range, facts_.absent})
       text[ArrayFacts::kMaxText] = 0;
     for (bool* flag : {&facts_.timed, &facts_.placed, &facts_.rounded}) settleFlag(*flag);
     info_.name = facts_.name;
@@ -186,9 +186,25 @@ class ArrayFileSource final : public LayerwiseSource {
                                         path_, info_.name, facts_.order))
                          .in(path_));
     }
+    if (!facts_.placed && !options.bounds) {
+      options.remark(Remark(RemarkCode::kAssumed,
+                            fmt::format("{}: no bounds are stated; the longest side is 1 m", path_),
+                            {Hint::set("bounds")})
+                         .in(path_));
+    }
     if (facts_.unitless[0] != 0) {
       options.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: coordinates without units: {}",
                                                               path_, facts_.unitless))
+                         .in(path_));
+    }
+    if (facts_.range[0] != 0) {
+      options.remark(Remark(RemarkCode::kNote, fmt::format("{}: nothing is there where '{}' has {}",
+                                                           path_, info_.name, facts_.range))
+                         .in(path_));
+    }
+    if (facts_.absent[0] != 0) {
+      options.remark(Remark(RemarkCode::kAssumed,
+                            fmt::format("{}: '{}': {}", path_, info_.name, facts_.absent))
                          .in(path_));
     }
     if (facts_.doubt[0] != 0) {

@@ -29,6 +29,8 @@ struct ArrayFacts {
   char order[kMaxText + 1] = {};   ///< which dimension was taken for which axis by its place alone
   char unitless[kMaxText + 1] = {};  ///< coordinates without units, and what they are taken in
   char doubt[kMaxText + 1] = {};     ///< what coordinates say against even voxels; empty: nothing
+  char range[kMaxText + 1] = {};     ///< which numbers mean that nothing is there; empty: none
+  char absent[kMaxText + 1] = {};    ///< what the file lacks of the array; empty: nothing
   std::array<std::int32_t, 5> size{1, 1, 1, 1, 1};  ///< t, z, y, x, c
   bool timed = false;                               ///< times() has them
   bool placed = false;                              ///< there are bounds

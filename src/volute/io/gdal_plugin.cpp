@@ -196,6 +196,8 @@ class GdalReader final : public ArrayReader {
     VOLUTE_ASSIGN(const auto all, times());
     facts.timed = !all.empty();
     fmt::format("{}", fmt::join(unitless_, ", ")).copy(facts.unitless, ArrayFacts::kMaxText);
+    range_.copy(facts.range, ArrayFacts::kMaxText);
+    absent_.copy(facts.absent, ArrayFacts::kMaxText);
     return facts;
   }
 
@@ -331,12 +333,20 @@ class GdalReader final : public ArrayReader {
     const bool netcdf = std::string_view(dataset_->GetDriver()->GetDescription()) == "netCDF";
     if (netcdf && fill.empty() && !known && (type == GDT_Int16 || type == GDT_Int32))
       missing_.push_back(type == GDT_Int16 ? kInt16 : kInt32);
-    VOLUTE_ASSIGN(auto range, numbersOf("valid_range"));
+    VOLUTE_ASSIGN(const auto range, numbersOf("valid_range"));
     VOLUTE_ASSIGN(const auto least, numbersOf("valid_min"));
     VOLUTE_ASSIGN(const auto most, numbersOf("valid_max"));
-    range.resize(range.size() == 2 ? 2 : 0);
-    low_ = !least.empty() ? least.front() : !range.empty() ? range[0] : -kInfinite;
-    high_ = !most.empty() ? most.front() : !range.empty() ? range[1] : kInfinite;
+    if ((!range.empty() && range.size() != 2) || least.size() > 1 || most.size() > 1) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: '{}' has {} numbers as its valid_range, {} as its valid_min and {} as its "
+                  "valid_max; expected two, one and one",
+                  file_, array_->GetName(), range.size(), least.size(), most.size());
+    }
+    low_ = -kInfinite, high_ = kInfinite, range_.clear();
+    if (!least.empty() || !range.empty())
+      limit(least.empty() ? "valid_range" : "valid_min", least.empty() ? range[0] : least[0], true);
+    if (!most.empty() || !range.empty())
+      limit(most.empty() ? "valid_range" : "valid_max", most.empty() ? range[1] : most[0], false);
     const auto isUnsigned = attributeOf(*array_, "_Unsigned");
     const char* said = isUnsigned ? isUnsigned->ReadAsString() : nullptr;
     wrap_ = !isFloat_ && said && lowerCase(said) == "true"
@@ -346,10 +356,33 @@ class GdalReader final : public ArrayReader {
     return {};
   }
 
+  /// An end of the valid range. A float about stored integers that are scaled, or of a wider type
+  /// than the stored numbers, is about scaled values, as netCDF's conventions say; any other is
+  /// about stored numbers.
+  void limit(const char* attribute, double end, bool lower) {
+    if (!std::isfinite(end))
+      return;
+    const GDALDataType its = attributeOf(*array_, attribute)->GetDataType().GetNumericDataType();
+    const GDALDataType stored = array_->GetDataType().GetNumericDataType();
+    const bool scaled =
+        (scale_ != 1 || offset_ != 0) && (its == GDT_Float32 || its == GDT_Float64) &&
+        (!isFloat_ || GDALGetDataTypeSizeBytes(its) > GDALGetDataTypeSizeBytes(stored));
+    range_ += fmt::format("{}{} {} {:g} ({})", range_.empty() ? "" : ", ",
+                          scaled ? "values" : "stored numbers", lower ? "below" : "above", end,
+                          attribute);
+    // An integer may stand for a value that is half a step away.
+    const double slack = scaled && !isFloat_ ? 0.5 : 0;
+    const double number = scaled ? (end - offset_) / scale_ : end;
+    if (lower != (scaled && scale_ < 0))
+      low_ = std::max(low_, number - slack);
+    else
+      high_ = std::min(high_, number + slack);
+  }
+
   /// Where the chunks of a Zarr array are. GDAL reads the fill value where there is none, 0 where
   /// that is null, and whatever length a chunk has.
   Status findChunks() {
-    chunks_.clear();
+    chunks_.clear(), absent_.clear();
     if (std::string_view(dataset_->GetDriver()->GetDescription()) != "Zarr")
       return {};
     std::filesystem::path folder = std::filesystem::path(file_) / array_->GetFullName().substr(1);
@@ -367,7 +400,9 @@ class GdalReader final : public ArrayReader {
     allChunks_ = !array_->GetRawNoDataValue();
     chunkBytes_ = 0;
     if (!isStated("compressor") && !isStated("filters")) {
-      chunkBytes_ = GDALGetDataTypeSizeBytes(array_->GetDataType().GetNumericDataType());
+      const auto type = said.value("dtype", nlohmann::json());  // GDAL has wider ones for some
+      const auto numbers = type.is_string() ? numberTypeOf(type.get<std::string>()) : std::nullopt;
+      chunkBytes_ = numbers ? numbers->size() : 0;
       for (const GUInt64 side : array_->GetBlockSize()) chunkBytes_ *= std::max<GUInt64>(side, 1);
     }
     bool any = false, others = false;
@@ -386,7 +421,30 @@ class GdalReader final : public ArrayReader {
                   file_, array_->GetName(), separator_);
     }
     chunks_ = folder;
+    if (!allChunks_)
+      countChunks(said.value("fill_value", nlohmann::json()).dump());
     return {};
+  }
+
+  /// Files without a chunk that holds nothing but the fill value are usual; so are copies that
+  /// broke off.
+  void countChunks(const std::string& fill) {
+    const auto blocks = array_->GetBlockSize();
+    std::uint64_t expected = 1, there = 0;
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const GUInt64 block = std::max<GUInt64>(blocks[i], 1);
+      expected *= (array_->GetDimensions()[i]->GetSize() + block - 1) / block;
+    }
+    std::error_code error;
+    for (std::filesystem::recursive_directory_iterator at(chunks_, error), end; at != end;
+         at.increment(error)) {
+      const std::string name = at->path().filename().string();
+      there += std::isdigit(static_cast<unsigned char>(name.front())) && at->is_regular_file(error);
+    }
+    if (there < expected) {
+      absent_ = fmt::format("{} of {} chunks are not there; their values are the fill value {}",
+                            expected - there, expected, fill);
+    }
   }
 
   Status checkChunks(const GUInt64* starts, const std::size_t* counts, const GInt64* steps) const {
@@ -589,6 +647,8 @@ class GdalReader final : public ArrayReader {
   std::vector<double> missing_;        // stored in the place of what is not there
   bool isFloat_ = false;               // what is stored
   double low_ = 0, high_ = 0;          // beyond them nothing is there
+  std::string range_;                  // the same as text, by the attributes that say it
+  std::string absent_;                 // what a Zarr array lacks of its chunks
   double wrap_ = 0;                    // added to negative numbers, which mean unsigned ones
   std::vector<std::string> unitless_;  // coordinates
   int at_[kAxes] = {};                 // the dimension of each axis; -1: it has none
