@@ -44,8 +44,9 @@ struct LatticeFrame {
 
   char grid[kMaxName + 1] = {};    ///< the name, ends in 0
   char others[kMaxName + 1] = {};  ///< the names of grids that were not chosen, as people read them
-  int channels = 1;                ///< 1 or 3
-  IndexBox box;                    ///< where the file has values; may be empty
+  char leftOut[kMaxName + 1] = {};    ///< what the file has that is never read, as people read it
+  int channels = 1;                   ///< 1 or 3
+  IndexBox box;                       ///< where the file has values; may be empty
   std::array<double, 3> voxelSize{};  ///< [m]
   std::array<double, 3> origin{};     ///< centre of the voxel with index 0 [m]
   /// It is turned, mirrored or sheared: `matrix` is from index to world, and the two above are in a

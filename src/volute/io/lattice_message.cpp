@@ -60,6 +60,7 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
   constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
   frame.grid[LatticeFrame::kMaxName] = '\0';
   frame.others[LatticeFrame::kMaxName] = '\0';
+  frame.leftOut[LatticeFrame::kMaxName] = '\0';
   settleFlag(frame.bricks);
   settleFlag(frame.turned);
   settleFlag(frame.vectors.local);
@@ -106,8 +107,9 @@ Result<LatticeCache> decodeCache(std::string_view message, const std::string& fi
     VOLUTE_ASSIGN(grid.traits, fromMessage<GridTraits>(*traits));
     for (char* end :
          {&grid.frame.grid[LatticeFrame::kMaxName], &grid.frame.others[LatticeFrame::kMaxName],
-          &grid.traits.type[GridTraits::kMaxText], &grid.traits.gridClass[GridTraits::kMaxText],
-          &grid.traits.map[GridTraits::kMaxText], &grid.traits.problem[GridTraits::kMaxProblem]})
+          &grid.frame.leftOut[LatticeFrame::kMaxName], &grid.traits.type[GridTraits::kMaxText],
+          &grid.traits.gridClass[GridTraits::kMaxText], &grid.traits.map[GridTraits::kMaxText],
+          &grid.traits.problem[GridTraits::kMaxProblem]})
       *end = '\0';
     settleFlag(grid.traits.half);
     if (grid.traits.problem[0] == '\0')

@@ -738,6 +738,14 @@ class LatticeSource final : public LayerwiseSource,
                                                    file, hidden->hidden))
               .in(file));
     }
+    const auto rest = std::ranges::find_if(
+        frames, [](const LatticeFrame& frame) { return frame.leftOut[0] != '\0'; });
+    if (rest != frames.end() && options_.remark) {
+      const std::string& file = files_[static_cast<std::size_t>(rest - frames.begin())].path;
+      options_.remark(Remark(RemarkCode::kLeftOut,
+                             fmt::format("{}: not read: {}", file, std::string(rest->leftOut)))
+                          .in(file));
+    }
     if (remark = contradictionIn(files_, frames); !remark.empty() && options_.remark)
       options_.remark({RemarkCode::kDoubtful, remark});
     info_.fillDefaults();

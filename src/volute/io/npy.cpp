@@ -196,6 +196,15 @@ Result<std::unique_ptr<FrameSource>> openArray(NumberFile file, const std::strin
   VOLUTE_TRY(file.read(0, front));
   VOLUTE_ASSIGN(const NpyHeader header, readNpyHeader(front, file.size(), where));
   VOLUTE_ASSIGN(VolumeInfo info, toInfo(header, file, where, options));
+  const auto& shape = header.shape;
+  if (options.remark && shape.size() == 4 && shape[3] == 3 && shape[1] > 3 && shape[2] > 3) {
+    options.remark(Remark(RemarkCode::kDoubtful,
+                          fmt::format("{}: {} frames, 3 voxels wide: an array of four axes is "
+                                      "(t,z,y,x); three channels are the last of five axes, "
+                                      "(t,z,y,x,c)",
+                                      where, shape[0]))
+                       .in(path));
+  }
   constexpr std::string_view kNameless = "arr_";  // numpy.savez's names of what has none
   if (!name.empty() && !name.starts_with(kNameless))
     info.name = name;

@@ -326,6 +326,12 @@ class VdbReader final : public LatticeReader {
       const std::string name = file.name(index);
       name.copy(frame.grid, LatticeFrame::kMaxName);
       otherGrids(entries, index, LatticeFrame::kMaxName).copy(frame.others, LatticeFrame::kMaxName);
+      std::string leftOut;
+      for (const GridEntry& entry : entries) {
+        if (wanted.empty() && entry.type == kLevelSet && !entry.usable)
+          leftOut += fmt::format("{}'{}' (level set)", leftOut.empty() ? "" : ", ", entry.name);
+      }
+      leftOut.copy(frame.leftOut, LatticeFrame::kMaxName);
       frame.channels =
           grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
       frame.vectors = vectorKindOf(listMetadata(grid));

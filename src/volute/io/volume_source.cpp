@@ -86,6 +86,7 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
           "may be empty (touch case.foam)",
           input.string());
     }
+    VOLUTE_TRY(volumesIn(input));
     VOLUTE_ASSIGN(auto files, listNumberedFiles(input, ".vdb"));
     return toLatticeFiles(std::move(files));
   }

@@ -86,6 +86,12 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   arrays.names[index].name.copy(frame.grid, LatticeFrame::kMaxName);
   otherGrids(arrays.names, index, LatticeFrame::kMaxName)
       .copy(frame.others, LatticeFrame::kMaxName);
+  std::string leftOut;
+  for (const GridEntry& one : arrays.names) {
+    if (!one.usable)
+      leftOut += fmt::format("{}'{}' ({})", leftOut.empty() ? "" : ", ", one.name, one.type);
+  }
+  leftOut.copy(frame.leftOut, LatticeFrame::kMaxName);
   frame.channels = entry.components;
   frame.rounded = entry.type != VTK_FLOAT && vtkDataArray::GetDataTypeSize(entry.type) >= 4;
   const int* extent = information->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT());
@@ -241,11 +247,26 @@ Status copyPart(vtkDataArray* array, const std::function<bool(vtkIdType)>& hidde
   return {};
 }
 
+/// How many times an image states that is one of a sequence.
+int countTimes(vtkXMLDataElement& root) {
+  vtkXMLDataElement* const image = root.FindNestedElementWithName("ImageData");
+  vtkXMLDataElement* const fields = image ? image->FindNestedElementWithName("FieldData") : nullptr;
+  for (int i = 0; fields && i < fields->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const array = fields->GetNestedElement(i);
+    const char* name = array->GetAttribute("Name");
+    int count = 0;
+    if (name && std::string_view(name) == "TimeValue" &&
+        array->GetScalarAttribute("NumberOfTuples", count))
+      return count;
+  }
+  return 0;
+}
+
 class VtkReader final : public LatticeReader {
  public:
   Result<LatticeFrame> describe(const std::filesystem::path& path, const std::string& wanted,
                                 const std::string& usual, bool) override {
-    VOLUTE_TRY(readVtkXml(path));
+    VOLUTE_ASSIGN(const auto root, readVtkXml(path));
     const ErrorWatch watch;
     vtkNew<vtkXMLImageDataReader> reader;
     reader->SetFileName(path.c_str());
@@ -260,6 +281,9 @@ class VtkReader final : public LatticeReader {
     if (!frame)
       return frame;
     frame->time = statedTime(*reader);
+    if (const int times = countTimes(*root); times > 1 && frame->leftOut[0] == '\0')
+      fmt::format("all but the first of its {} times", times)
+          .copy(frame->leftOut, LatticeFrame::kMaxName);
     frame->hidden = countHidden(reader, entry.cells);
     VOLUTE_TRY(watch.status(path.string()));
     return frame;
@@ -373,6 +397,7 @@ Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
     return fail(ErrorCode::kInvalidData, "{}: not a VTK collection (VTKFile, Collection, DataSet)",
                 path.string());
   std::vector<TimedFile> files;
+  std::string group;
   for (int i = 0; i < collection->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* element = collection->GetNestedElement(i);
     const char* file = element->GetAttribute("file");
@@ -387,6 +412,14 @@ Result<std::vector<TimedFile>> readPvd(const std::filesystem::path& path) {
                   "{}: {} is part {} of its time; expected one file for each time", path.string(),
                   file, part);
     }
+    const char* its = element->GetAttribute("group");
+    if (i > 0 && group != (its ? its : "")) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: {} is of the group '{}' and those before it of '{}'; expected the files of "
+                  "one group",
+                  path.string(), file, its ? its : "", group);
+    }
+    group = its ? its : "";
     TimedFile& timed = files.emplace_back();
     timed.path = file;
     const char* time = element->GetAttribute("timestep");

@@ -296,7 +296,7 @@ std::optional<std::filesystem::path> firstVdb(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) {
     const auto files = listNumberedFiles(path, ".vdb");
-    return files ? std::optional(files->front().path) : std::nullopt;
+    return files && volumesIn(path) ? std::optional(files->front().path) : std::nullopt;
   }
   if (!isVdbPath(path))
     return std::nullopt;
@@ -347,9 +347,34 @@ void addValues(ValueRange& range, const Bricks& frame, const VolumeInfo& info) {
   addEqual(range, std::span(frame.background()).first(channels), info.voxels() - filled);
 }
 
+/// Names the grids of a sequence that its first file, whose grids are listed, lacks.
+void tellLaterGrids(const std::string& path, const std::filesystem::path& first,
+                    std::span<const GridFacts> listed, const InputOptions& options,
+                    Reading& reading) {
+  Progress quiet;
+  Reading silent = reading.with(quiet);
+  const auto all = VolumeGrids::open(path, options, silent);
+  if (!all || (*all)->frames().frames < 2)
+    return;
+  std::string later;
+  for (const VolumeGrid& grid : (*all)->grids()) {
+    const bool there =
+        std::ranges::any_of(listed, [&](const GridFacts& one) { return grid.name == one.name; });
+    if (!there)
+      later += fmt::format("{}'{}'", later.empty() ? "" : ", ", grid.name);
+  }
+  if (!later.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kNote, fmt::format("{}: {}, whose grids are listed, lacks {}", path,
+                                              first.filename().string(), later))
+            .in(path));
+}
+
 /// A line for each grid of a file: size, range, voxels that are not empty, memory.
-Status addGrids(Report& report, const std::filesystem::path& file, Reading& reading) {
+Status addGrids(Report& report, const std::string& path, const std::filesystem::path& file,
+                const InputOptions& options, Reading& reading) {
   VOLUTE_ASSIGN(const auto grids, listGrids(file, reading.maxMemory));
+  tellLaterGrids(path, file, grids, options, reading);
   auto list = nlohmann::ordered_json::array();
   std::string text = fmt::format("in {}", file.filename().string());
   for (const GridFacts& grid : grids) {
@@ -413,7 +438,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
         frames.setRate(*request.framesPerSecond);
       addFrames(report, frames);
     }
-    if (addGrids(report, *vdb, reading)) {
+    if (addGrids(report, path, *vdb, options, reading)) {
       // All but that a grid has to be chosen is what other commands end with.
       if (opened.error().code != ErrorCode::kInvalidArgument)
         reading.progress.remark(Remark(damaged ? RemarkCode::kDamaged : RemarkCode::kNote,
@@ -428,7 +453,7 @@ Result<FileDescription> describeVolume(const std::string& path, const DescribeRe
   const VolumeInfo& info = input.source->info();
   addVolume(report, info, input.places);
   if (vdb)
-    VOLUTE_TRY(addGrids(report, *vdb, reading));
+    VOLUTE_TRY(addGrids(report, path, *vdb, options, reading));
   if (!request.values)
     return FileDescription{std::move(report)};
   ValueRange range;
