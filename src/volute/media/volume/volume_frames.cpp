@@ -769,6 +769,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
     return shadedSlice_;
   const int channels = volume_.channels;
   VOLUTE_ASSIGN(const Slice main, readAt(*input_->source, framePosition));
+  remarkOnNegative(*main, framePosition);
   const auto grid = [&](const std::string& name) -> Result<Slice> {
     if (name.empty())
       return Slice();
@@ -1033,9 +1034,10 @@ void VolumeMedium::remarkOnNegative(const BrickSlice& slice, double framePositio
   progress_->remark(
       Remark(RemarkCode::kDoubtful,
              fmt::format("{}: grid '{}', frame {}: {} values are below 0, the smallest {:g}: as an "
-                         "extinction they add light to what is behind them",
+                         "extinction they {}",
                          path_, volume_.name,
-                         volume_.frameText(static_cast<std::size_t>(framePosition)), below, least))
+                         volume_.frameText(static_cast<std::size_t>(framePosition)), below, least,
+                         appearance_.shaded() ? "count as 0" : "add light to what is behind them"))
           .in(path_));
 }
 

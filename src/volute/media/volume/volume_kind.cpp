@@ -117,8 +117,8 @@ void addShown(ParameterGroup& group, const OrderedJson& entry, const VolumeMediu
   group.section("");
 }
 
-/// Of a scene of version 1, whose values are light where it does not say otherwise: what its file
-/// shows by itself, and later scenes do. What cannot be read is said by whoever opens it.
+/// Where values are light: what the file shows by itself. What cannot be read is said by whoever
+/// opens it.
 void sayOtherLook(const std::string& file, InputOptions input, const MediumContext& context,
                   Reading& reading, const std::shared_ptr<LoneFrame>& frame) {
   Progress quiet;
@@ -127,14 +127,22 @@ void sayOtherLook(const std::string& file, InputOptions input, const MediumConte
   const auto preset = applyPreset(VolumePreset::kAuto, file, input, appearance, silent, frame);
   if (!preset || *preset == VolumePreset::kNone)
     return;
+  const char* look = *preset == VolumePreset::kFire    ? "fire"
+                     : *preset == VolumePreset::kSmoke ? "smoke"
+                                                       : "fire and smoke";
+  if (context.options.byTree) {
+    reading.progress.remark(
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: its values are shown as light: the tree draws nothing else", file),
+               {Hint::set("volume_method", "bricks").so(fmt::format("shows it as {}", look))})
+            .in(file));
+    return;
+  }
   reading.progress.remark(
       Remark(RemarkCode::kNote,
              fmt::format("{}: {}: its values are shown as light, as a volute-scene-1 means it; "
                          "\"preset\": \"auto\", or {}, shows it as {}",
-                         context.file, context.path, kSceneFormat,
-                         *preset == VolumePreset::kFire    ? "fire"
-                         : *preset == VolumePreset::kSmoke ? "smoke"
-                                                           : "fire and smoke"))
+                         context.file, context.path, kSceneFormat, look))
           .in(context.file, context.path));
 }
 
@@ -164,6 +172,24 @@ void tellOfIdle(const Json& entry, const VolumeMedium& medium, const MediumConte
   }
 }
 
+/// What plain values stand for where they are no extinction by themselves.
+void tellPlainValues(const VolumeMedium& medium, Progress& progress) {
+  const VolumeInfo& info = medium.volume();
+  const Appearance& appearance = medium.appearance();
+  if (appearance.surface || appearance.shaded())
+    return;
+  std::string text;
+  if (info.levelSet)
+    text = "is a level set: it counts as 1 inside and as 0 outside, with an edge of one voxel";
+  else if (info.channels == 3 && appearance.extinction != 0)
+    text = "has three channels, whose mean is taken as the extinction";
+  if (text.empty())
+    return;
+  progress.remark(
+      Remark(RemarkCode::kAssumed, fmt::format("{}: '{}' {}", medium.path(), info.name, text))
+          .in(medium.path()));
+}
+
 class VolumeKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return volumeFields(); }
@@ -183,7 +209,10 @@ class VolumeKind final : public MediumKind {
     const bool pictures = !context.options.measured && !context.options.byTree;
     const bool looks = context.version >= 2 && !said && pictures;
     const auto frame = std::make_shared<LoneFrame>();
-    if (context.version < 2 && !said && pictures && !context.options.sightOnly)
+    const bool otherLook = context.version < 2
+                               ? pictures && !context.options.sightOnly
+                               : context.options.byTree && !context.options.measured;
+    if (otherLook && !said)
       sayOtherLook(volume.file, input, context, reading, frame);
     VOLUTE_ASSIGN(const auto preset,
                   applyPreset(looks                        ? VolumePreset::kAuto
@@ -205,6 +234,27 @@ class VolumeKind final : public MediumKind {
     if (!appearance.transfer && !dark && entry.contains("albedo") && !(appearance.extinction > 0)) {
       return origin.wrong(FieldRow{.name = "albedo"},
                           "what extinguishes no light scatters none; say an extinction above 0");
+    }
+    if (entry.contains("extinction") && !dark && isNumpyPath(volume.file) && !volume.input.bounds &&
+        !entry.contains("transform")) {
+      remarkLog.remark(
+          Remark(RemarkCode::kAssumed,
+                 fmt::format("{}: no bounds are stated; the longest side is 1 m", volume.file),
+                 {Hint::set("bounds")})
+              .in(volume.file));
+    }
+    const auto tellIdle = [&](const char* member, const char* why) {
+      if (entry.contains(member))
+        remarkLog.remark(Remark(RemarkCode::kDoubtful,
+                                fmt::format("{}: {} has no effect: {}", context.file, member, why))
+                             .in(context.file, context.path));
+    };
+    if (!appearance.transfer && !dark && !(appearance.extinction > 0))
+      tellIdle("asymmetry", "nothing extinguishes light, and so nothing scatters it");
+    if (appearance.interpolation == Interpolation::kNone ||
+        appearance.interpolation == Interpolation::kLinear) {
+      for (const char* member : {"velocity_unit", "velocity_scale"})
+        tellIdle(member, "nothing moves along velocities between frames");
     }
     if (appearance.shaded() && appearance.basis == Basis::kBox) {
       return origin.wrong(FieldRow{.name = "basis"},
@@ -239,6 +289,7 @@ class VolumeKind final : public MediumKind {
     }
     if (extensionOf(context.file) == ".json")
       tellOfIdle(entry, *medium, context, remarkLog);
+    tellPlainValues(*medium, remarkLog);
     medium->remarks.insert(medium->remarks.begin(), remarkLog.remarks().begin(),
                            remarkLog.remarks().end());
     medium->setLighting(std::move(lighting));

@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 
 #include "volute/base/lower_case.hpp"
+#include "volute/base/remark_log.hpp"
+#include "volute/codec/kept_grids.hpp"
 #include "volute/grid/look_figures.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
@@ -25,6 +28,7 @@ constexpr std::string_view kDensityNames[] = {"density", "extinction", "smoke", 
 constexpr std::string_view kFlameNames[] = {"flame", "flames", "fire", "burn", "burning"};
 constexpr std::string_view kHeatNames[] = {"temperature", "temp", "heat"};
 constexpr std::string_view kLightNames[] = {"emission", "radiance", "light"};
+constexpr std::string_view kVelocityNames[] = {"velocity", "vel", "v"};
 constexpr std::string_view kColorNames[] = {"color", "colour", "Cd", "albedo"};
 // As people call files of one grid without a name.
 constexpr std::string_view kFireWords[] = {"fire", "flame", "burn", "torch", "explosion"};
@@ -103,7 +107,8 @@ class Grids {
     InputOptions first = input;
     first.notFinite = NotFinite::kRefuse;  // as whoever draws it does
     Progress quiet;
-    Reading silent = reading.with(quiet);
+    RemarkLog heard(quiet);
+    Reading silent = reading.with(heard);
     auto found = openVolume(path, first, silent);
     const auto unclear = [&] {
       return !found && input.grid.empty() &&
@@ -143,6 +148,10 @@ class Grids {
     if (!found)
       return tl::unexpected(std::move(found.error()));
     grids.main_ = std::move(*found);
+    std::ranges::copy_if(
+        heard.remarks(), std::back_inserter(grids.levelSets_), [](const Remark& one) {
+          return one.code == RemarkCode::kLeftOut && one.sentence.ends_with("(level set)");
+        });
     grids.keep(grids.main_);
     grids.names_ = grids.main_.source->otherGrids();
     grids.named_ = grids.isNamed(path);
@@ -166,18 +175,28 @@ class Grids {
   /// The first of several of which no name says anything; empty: there is no need.
   const std::string& taken() const { return taken_; }
 
+  /// What opening it tells of level sets, as long as no grid is named.
+  const std::vector<Remark>& levelSets() const { return levelSets_; }
+
   const std::string& gridClass() const { return main_.gridClass; }
 
-  /// As find() but others that are called the same, as OpenVDB counts them: "density[1]".
-  std::string namesakes(const std::string& name) const {
-    const std::size_t count = name.find_last_of('[');
-    std::string others;
-    for (const std::string& other : names_) {
-      if (count != std::string::npos && count > 0 && other != name &&
-          other.starts_with(name.substr(0, count + 1)))
-        others += (others.empty() ? "'" : ", '") + other + "'";
+  /// All but these, with what a .volute keeps as bytes: "'density[1]', 'mask' (bool)".
+  std::string others(std::span<const std::string> shown) const {
+    std::vector<std::string> all;
+    const auto isEmpty = [&](const std::string& name) {
+      return main_.reader && std::ranges::any_of(main_.reader->grids(), [&](const VoluteGrid& one) {
+               return one.info.name == name && one.empty;
+             });
+    };
+    for (const std::string& name : names_) {
+      if (std::ranges::find(shown, name) == shown.end() && !isEmpty(name))
+        all.push_back(fmt::format("'{}'", name));
     }
-    return others;
+    if (main_.reader) {
+      for (const KeptGrid& grid : main_.reader->kept().grids)
+        all.push_back(fmt::format("'{}' (kept as it was)", grid.name));
+    }
+    return fmt::format("{}", fmt::join(all, ", "));
   }
 
   /// As nameAmong().
@@ -249,6 +268,7 @@ class Grids {
   VolumeInput main_;
   std::vector<std::string> names_;
   std::string taken_;
+  std::vector<Remark> levelSets_;
   bool named_ = true;
 };
 
@@ -385,6 +405,17 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                                    {Hint::choose("field")})
                                 .in(path));
   }
+  const auto tellOthers = [&](const std::vector<std::string>& shown) {
+    if (grids.stated())
+      return;
+    for (const Remark& one : grids.levelSets()) reading.progress.remark(one);
+    if (const std::string others = grids.others(shown); !others.empty()) {
+      reading.progress.remark(Remark(RemarkCode::kAssumed,
+                                     fmt::format("{}: not shown: {}", path, others),
+                                     {Hint::choose("field")})
+                                  .in(path));
+    }
+  };
   // Light that somebody has measured or computed is shown as it is.
   const std::string light = grids.find(kLightNames);
   if (preset == VolumePreset::kAuto && !light.empty() && grids.named()) {
@@ -394,6 +425,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                                      fmt::format("{}: shown by the light of '{}'", path, light),
                                      {Hint::choose("field")})
                                   .in(path));
+      tellOthers({light});
     }
     return VolumePreset::kNone;
   }
@@ -416,6 +448,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                                            : "shows its surface")})
             .in(path));
     input.grid = grids.named() ? grids.mainName() : input.grid;
+    tellOthers({grids.mainName()});
     return VolumePreset::kSmoke;
   }
   VOLUTE_ASSIGN(const Choice choice, choose(preset, grids, path));
@@ -439,6 +472,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
         hints.push_back(Hint::set("preset", "smoke").so("shows it as smoke"));
       reading.progress.remark(Remark(RemarkCode::kAssumed, std::move(text), hints).in(path));
     }
+    tellOthers(grids.names());  // opening it names those
     return choice.preset;
   }
   const bool smokes = choice.preset != VolumePreset::kFire;
@@ -489,13 +523,20 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
   reading.progress.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: shown as {}", path, text),
                                  {Hint::set("preset", "none").so("shows plain values as light")})
                               .in(path));
-  if (const std::string others = grids.namesakes(smokes ? choice.density : choice.flame);
-      !others.empty()) {
-    reading.progress.remark(Remark(RemarkCode::kAssumed,
-                                   fmt::format("{}: not shown: {}", path, others),
-                                   {Hint::choose("field")})
-                                .in(path));
+  std::vector<std::string> shown{grids.mainName(), input.grid};
+  if (appearance.flames)
+    shown.insert(shown.end(), {appearance.flames->field, appearance.flames->temperature});
+  for (const char* end : {"", "_r", "_g", "_b"}) {
+    if (!appearance.colors.empty())
+      shown.push_back(appearance.colors + end);
   }
+  if (appearance.interpolation != Interpolation::kNone &&
+      appearance.interpolation != Interpolation::kLinear) {
+    std::ranges::copy_if(grids.names(), std::back_inserter(shown), [](const std::string& name) {
+      return std::ranges::find(kVelocityNames, wordsOf(name).front()) != std::end(kVelocityNames);
+    });
+  }
+  tellOthers(shown);
   return choice.preset;
 }
 
