@@ -611,6 +611,15 @@ class Grids(support.TestCase):
         drawn = self.works("render", CACHE, "--field", "velocity", "-o", self.path("v.png"), "--size", "16x16")
         self.assertIn("'velocity' is shown as light, its values as red, green and blue, none where they are below 0", drawn.message)
 
+    def test_grids_that_play_no_part_are_named(self):
+        drawn = lambda *words: self.works("render", CACHE, "-o", self.path("x.exr"), "--size", "8x8", *words, measured=False).message
+        self.assertIn("not shown: 'velocity', 'solid'; choose one with --field", drawn())
+        self.assertNotIn("not shown", drawn("--field", "density"))
+        depth = ("--aov", "optical-depth", "--extinction", "1", "--field")
+        self.assertIn("'velocity' has three channels, whose mean is taken as the extinction", drawn(*depth, "velocity"))
+        self.assertIn("'solid' is a level set: it counts as 1 inside", drawn(*depth, "solid"))
+        self.assertIn("c_0100.vdb, whose grids are listed, lacks 'flame'", self.works("info", self.unpack()).message)
+
     def test_there_and_back(self):
         folder = self.unpack()
         self.assertEqual(len(list(folder.iterdir())), 3)

@@ -211,6 +211,114 @@ class Volumes(support.TestCase):
         self.assertGreater(farthest(turned, lying), 50)
         self.assertIn("--up: 0,0,0 is no direction", self.fails(2, "render", self.path("y.npy"), "-o", self.path("u.png"), "--up", "0,0,0"))
 
+    def test_what_a_join_lacks_and_makes_faint_is_told(self):
+        source, parts = self.path("in.npy"), [self.path("a.volute"), self.path("b.volute")]
+        shape, values = support.plume(24, 6)
+        write_npy(source, shape, [value * (1 if i < 16 * 216 else 100) for i, value in enumerate(values)])
+        for part, frames in zip(parts, ("0:5", "16:24")):
+            self.works("compress", source, "-o", part, "--frames", frames)
+        said = self.works("join", *parts, "-o", self.path("all.volute"), "--json").json
+        self.assertIn("11 of the frames 0 to 23 are missing: 5 to 15; a part may be missing", said["remarks"][0]["sentence"])
+        self.assertEqual((said["frames"], said["faint_frames"][0]["grid"]), (13, "density"))
+        self.assertEqual([one["frame"] for one in said["faint_frames"][0]["frames"]], [0, 1, 2, 3, 4])
+        shown = self.works("render", self.path("all.volute"), "-o", self.path("x.png"), "--size", "8x8", "--time", "0.5").message
+        self.assertIn("missing: 5 to 15; until the next one the frame before is shown", shown)
+
+    def test_a_folder_of_two_sequences_is_refused(self):
+        self.cache(["s_1.vdb", "s_2.vdb"])
+        self.make_npy("s_0001.npy", frames=1)
+        for words in (("info",), ("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
+            self.assertIn("holds numbered .vdb and .npy files", self.fails(2, words[0], self.folder, *words[1:]))
+
+    def test_a_valid_range_is_of_values_or_of_what_is_stored(self):
+        packed = {"kind": "h", "change": lambda values: [round(1000 * value) for value in values]}
+        scale = ("scale_factor", ("d", [0.001]))
+
+        def largest(*extra):
+            self.path("a.nc").write_bytes(netcdf(extra=(scale, *extra), **packed))
+            done = self.works("compress", self.path("a.nc"), "-o", self.path("a.volute"), "--not-finite", "background", "--json")
+            return done.json["remarks"][0]["sentence"], done.json["replaced_values"], round(self.works("info", self.path("a.volute"), "--json").json["maximum"], 3)
+
+        said, *rest = largest(("valid_min", ("d", [0.0])), ("valid_max", ("d", [1.0])))
+        self.assertIn("nothing is there where 'soot' has values below 0 (valid_min), values above 1 (valid_max)", said)
+        self.assertEqual(rest, [0, 0.785])
+        self.assertEqual(largest(("valid_range", ("f", [0.0, 0.7])))[2], 0.7)
+        said, replaced, most = largest(("valid_max", ("h", [600])))
+        self.assertIn("stored numbers above 600 (valid_max)", said)
+        self.assertEqual((most, replaced > 0), (0.6, True))
+        self.path("a.nc").write_bytes(netcdf(extra=(("valid_range", ("f", [0.0, 1.0, 2.0])),)))
+        self.assertIn("3 numbers as its valid_range", self.fails(1, "compress", self.path("a.nc"), "-o", self.path("b.volute")))
+
+    def test_values_that_are_replaced_are_counted(self):
+        values = [math.nan if i % 5 == 0 else 1 + i % 7 for i in range(3 * 1000)]
+        write_npy(self.path("a.npy"), (3, 10, 10, 10), values)
+        for how, end in (("background", "replaced by the background"), ("inactive", "left out: their voxels are inactive")):
+            done = self.works("compress", self.path("a.npy"), "-o", self.path("a.volute"), "--not-finite", how, "--json")
+            self.assertEqual(done.json["replaced_values"], 600)
+            self.assertIn(f"'density': 600 values are no finite numbers and {end}", str(done.json["remarks"]))
+
+    def test_chunks_that_are_missing_are_told(self):
+        folder = self.path("a.zarr/soot")
+        folder.mkdir(parents=True)
+        (folder.parent / ".zgroup").write_text('{"zarr_format": 2}')
+        (folder / ".zarray").write_text(json.dumps({"zarr_format": 2, "shape": [3, 4, 4, 4], "chunks": [1, 4, 4, 4], "dtype": "|i1",
+                                                    "fill_value": 0, "order": "C", "compressor": None, "filters": None}))
+        for frame in (0, 2):
+            (folder / f"{frame}.0.0.0").write_bytes(bytes((i + 200) % 256 for i in range(64)))
+        done = self.works("compress", self.path("a.zarr"), "-o", self.path("a.volute"), "--max-error", "0.01")
+        self.assertIn("'soot': 1 of 3 chunks are not there; their values are the fill value 0", done.message)
+        said = self.works("info", self.path("a.volute"), "--json").json
+        self.assertEqual((round(said["minimum"]), round(said["maximum"])), (-56, 7))
+
+    def test_arrays_that_images_have_besides_are_told(self):
+        array = lambda name, count: f'<DataArray type="Float32" Name="{name}" NumberOfComponents="{count}" format="ascii">{"1 2 " * 4 * count}</DataArray>'
+        times = '<FieldData><DataArray type="Float64" Name="TimeValue" NumberOfTuples="2" format="ascii">3 4</DataArray></FieldData>'
+
+        def write(name, *arrays, field=""):
+            self.path(name).write_text(
+                f'<VTKFile type="ImageData" version="1.0"><ImageData WholeExtent="0 2 0 2 0 2" Origin="0 0 0" Spacing="1 1 1">{field}'
+                f'<Piece Extent="0 2 0 2 0 2"><CellData>{"".join(arrays)}</CellData></Piece></ImageData></VTKFile>')
+        write("a.vti", array("density", 1), array("stress", 9))
+        write("b.vti", array("density", 1), field=times)
+        result = volute("compress", self.path("a.vti"), "-o", self.path("a.volute"))
+        if "this build has no" in result.message:
+            self.skipTest(result.message)
+        self.assertIn("a.vti: not read: 'stress' (vector of 9, of cells)", result.message)
+        self.assertIn("b.vti: not read: all but the first of its 2 times", self.works("compress", self.path("b.vti"), "-o", self.path("b.volute")).message)
+        self.path("c.pvd").write_text('<VTKFile type="Collection"><Collection><DataSet timestep="0" group="a" file="a.vti"/>'
+                                      '<DataSet timestep="1" group="b" file="b.vti"/></Collection></VTKFile>')
+        self.assertIn("b.vti is of the group 'b' and those before it of 'a'", self.fails(1, "compress", self.path("c.pvd"), "-o", self.path("c.volute")))
+
+    def test_three_channels_of_one_frame_are_five_axes(self):
+        write_npy(self.path("a.npy"), (8, 8, 8, 3), [0.5 + i % 3 for i in range(8 * 8 * 8 * 3)])
+        self.assertIn("8 frames, 3 voxels wide: an array of four axes is (t,z,y,x)",
+                      self.works("compress", self.path("a.npy"), "-o", self.path("a.volute")).message)
+
+    def test_looks_without_effect_are_told(self):
+        write_npy(self.path("a.npy"), (2, 8, 8, 8), [i % 9 / 10 - 0.2 for i in range(1024)])
+
+        def said(*words, source="a.npy"):
+            return self.works("render", self.path(source), "-o", self.path("x.png"), "--size", "8x8", "--time", "0", *words).message
+        self.assertIn("values are below 0, the smallest -0.2: as an extinction they count as 0", said("--preset", "smoke"))
+        for bounds, told in ((), True), (("--bounds", "0,0,0,1,1,1"), False):
+            self.assertEqual("no bounds are stated; the longest side is 1 m" in said("--extinction", "1", *bounds), told)
+            done = self.works("compress", self.path("a.npy"), "-o", self.path("x.volute"), *bounds).message
+            self.assertEqual("a.npy: no bounds are stated" in done, told)
+        self.assertIn("add light", said("--extinction", "1"))
+        self.assertIn("asymmetry has no effect", said("--asymmetry", "0.5"))
+        self.assertIn("velocity_unit has no effect", said("--velocity-unit", "m/frame"))
+        self.assertIn("one process alone draws the whole picture", said("--by-pieces"))
+        self.works("compress", self.path("a.npy"), "-o", self.path("smoke.volute"), "--frames", "0:1")
+        self.assertIn("its values are shown as light: the tree draws nothing else", said("--volume-method", "tree", source="smoke.volute"))
+        depth = ("render", self.path("a.npy"), "-o", self.path("x.exr"), "--extinction", "1", "--aov", "optical-depth")
+        for name, value in (("--background", "1,1,1"), ("--emission", "3"), ("--exposure", "3")):
+            self.assertIn(f"{name} has no effect", self.fails(2, *depth, name, value))
+        self.assertIn("--partial is for", self.fails(2, "compress", self.path("a.npy"), "-o", self.path("y.volute"), "--partial"))
+        raw = self.path("a.raw")
+        raw.write_bytes(bytes(64))
+        self.assertIn("--raw-order: has no effect on values of one byte", self.fails(
+            2, "compress", raw, "-o", self.path("y.volute"), "--raw-size", "4,4,4", "--raw-type", "uint8", "--raw-order", "big"))
+
     def test_a_shutter_averages_light_over_time(self):
         frames = [[float((x - 3 * f - 3) ** 2 + (y - 4) ** 2 + (z - 4) ** 2 < 9) for z in range(8) for y in range(8) for x in range(12)] for f in range(3)]
         write_npy(self.path("s.npy"), (3, 8, 8, 12), sum(frames, []))

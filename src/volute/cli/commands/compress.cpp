@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/cli/commands/commands.hpp"
+#include "volute/cli/file_kind.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/shared_options.hpp"
 #include "volute/cli/values.hpp"
@@ -45,6 +46,8 @@ Result<std::optional<RawLayout>> rawLayout(const Arguments& arguments) {
   VOLUTE_ASSIGN(auto raw, ofOption("raw-size", parseRawSize(*size)));
   raw.type = *rawTypeByName(arguments.get<std::string>("raw-type"));
   raw.bigEndian = arguments.get<std::string>("raw-order") == "big";
+  if (arguments.given("raw-order") && raw.type <= RawLayout::Type::kInt8)
+    return failFor("raw_order", ErrorCode::kInvalidArgument, "has no effect on values of one byte");
   if (const auto offset = arguments.find<Bytes>("raw-offset"))
     raw.offset = offset->count;
   return raw;
@@ -68,6 +71,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
     return fail(ErrorCode::kInvalidArgument, "--output: '{}' does not end in .volute", target);
   }
   VOLUTE_TRY(checkRmsOver(arguments));
+  VOLUTE_TRY(refuseIdle(arguments, {readKind(path)}));
   if (context.team.leads())
     VOLUTE_TRY(checkTarget(target));
   InputOptions input;
@@ -295,7 +299,7 @@ Command compressCommand() {
             .help = "keep finished units here until the file is written: the same command "
                     "continues from them, with any number of ranks; ranks share the folder"},
            statsOption(),
-           partialOption()},
+           partialOption({kVoluteKind})},
       .oneOf = {{{"quality", "rms", "psnr", "ratio", "size", "max-error"}, false},
                 {{"wavelet", "block-mode"}, false}},
       .ranks = true,

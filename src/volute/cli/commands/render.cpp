@@ -340,6 +340,8 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   remarkOnCamera(job, context.progress);
   remarkOnOnePicture(job, target, arguments, context.progress);
   VOLUTE_ASSIGN(job.renderer, rendererOf(arguments, job.together));
+  if (arguments.flag("by-pieces") && !job.together)
+    context.progress.remark("by pieces: one process alone draws the whole picture");
   job.mayFallBack = arguments.get<std::string>("renderer") == "auto";
   job.tree = arguments.get<std::string>("volume-method") == "tree";
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
@@ -371,7 +373,13 @@ Status refuseInMeasured(const Arguments& arguments) {
 }
 
 /// What shows nothing in the kind of picture that is written.
-Status refuseInExr(const Arguments& arguments, const std::string& target) {
+Status refuseIdleLight(const Arguments& arguments, const std::string& target) {
+  const auto aov = arguments.find<std::string>("aov").value_or("");
+  for (const char* name : {"background", "emission"}) {
+    if (arguments.given(name) && (aov == "optical-depth" || aov == "transmittance"))
+      return fail(ErrorCode::kInvalidArgument, "--{} has no effect: --aov {} shows no light", name,
+                  aov);
+  }
   const auto exposure = arguments.get<std::string>("exposure"),
              tone = arguments.get<std::string>("tone");
   const bool exposed = exposure != "auto" && parseNumber(exposure) != 1;
@@ -408,7 +416,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
   VOLUTE_TRY(refuseInMeasured(arguments));
-  VOLUTE_TRY(refuseInExr(arguments, target));
+  VOLUTE_TRY(refuseIdleLight(arguments, target));
   VOLUTE_TRY(refuseInContour(arguments));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));
