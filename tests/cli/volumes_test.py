@@ -307,7 +307,7 @@ class Volumes(support.TestCase):
         self.assertIn("add light", said("--extinction", "1"))
         self.assertIn("asymmetry has no effect", said("--asymmetry", "0.5"))
         self.assertIn("velocity_unit has no effect", said("--velocity-unit", "m/frame"))
-        self.assertIn("one process alone draws the whole picture", said("--by-pieces"))
+        self.assertIn("there is one process, which holds all", said("--by-pieces"))
         self.works("compress", self.path("a.npy"), "-o", self.path("smoke.volute"), "--frames", "0:1")
         self.assertIn("its values are shown as light: the tree draws nothing else", said("--volume-method", "tree", source="smoke.volute"))
         depth = ("render", self.path("a.npy"), "-o", self.path("x.exr"), "--extinction", "1", "--aov", "optical-depth")

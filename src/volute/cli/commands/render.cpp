@@ -340,8 +340,6 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   remarkOnCamera(job, context.progress);
   remarkOnOnePicture(job, target, arguments, context.progress);
   VOLUTE_ASSIGN(job.renderer, rendererOf(arguments, job.together));
-  if (arguments.flag("by-pieces") && !job.together)
-    context.progress.remark("by pieces: one process alone draws the whole picture");
   job.mayFallBack = arguments.get<std::string>("renderer") == "auto";
   job.tree = arguments.get<std::string>("volume-method") == "tree";
   VOLUTE_TRY(ofOption("by-pieces", checkTogether(job)));
