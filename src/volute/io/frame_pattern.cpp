@@ -78,22 +78,36 @@ Status toOneScale(std::vector<NumberedFile>& files) {
   return {};
 }
 
-/// All regular files of a folder; errors of the system name it.
+/// All entries of a folder; errors of the system name it.
 Result<std::vector<std::filesystem::path>> filesOf(const std::filesystem::path& folder) {
   std::error_code error;
   std::vector<std::filesystem::path> files;
   std::filesystem::directory_iterator it(folder.empty() ? "." : folder, error);
-  for (; !error && it != std::filesystem::directory_iterator(); it.increment(error)) {
-    std::error_code unknown;
-    if (it->is_regular_file(unknown))
-      files.push_back(folder / it->path().filename());
-  }
+  for (; !error && it != std::filesystem::directory_iterator(); it.increment(error))
+    files.push_back(folder / it->path().filename());
   if (error) {
     return fail(
         error == std::errc::no_such_file_or_directory ? ErrorCode::kNotFound : ErrorCode::kIo,
         "{}: cannot list the folder: {}", folder.empty() ? "." : folder.string(), error.message());
   }
   return files;
+}
+
+/// What has a frame's name and is no file would be a gap that nobody sees.
+Status checkFiles(const std::vector<NumberedFile>& files) {
+  for (const NumberedFile& file : files) {
+    std::error_code error;
+    const auto kind = std::filesystem::status(file.path, error).type();
+    if (kind == std::filesystem::file_type::regular)
+      continue;
+    const bool link = std::filesystem::is_symlink(file.path, error);
+    return fail(link ? ErrorCode::kNotFound : ErrorCode::kInvalidArgument,
+                "{}: has the name of a frame and is {}; expected a file", file.path.string(),
+                kind == std::filesystem::file_type::directory   ? "a folder"
+                : kind == std::filesystem::file_type::not_found ? "a link to what is not there"
+                                                                : "no file that can be read");
+  }
+  return {};
 }
 
 /// What helps where two files have one number: a pattern that only one of them has, if there is
@@ -346,6 +360,7 @@ Result<std::vector<NumberedFile>> FramePattern::list(FolderFiles& folders,
                 "{}: no file matches this pattern; the first was expected as {}", path_.string(),
                 format(1).string());
   }
+  VOLUTE_TRY(checkFiles(matching));
   VOLUTE_TRY(toOneScale(matching));
   if (subFrames == SubFrames::kRefused && matching.front().scale.decimals > 0) {
     const auto part = std::ranges::find_if(
@@ -362,12 +377,17 @@ std::vector<std::string> FramePattern::others() const {
   std::vector<std::string> names;
   const auto files = filesOf(path_.parent_path());
   for (std::size_t i = 0; files && i < files->size(); ++i) {
-    const std::string name = (*files)[i].filename().string();
+    std::string name = (*files)[i].filename().string();
+    const std::string itsName = name;
+    // "s_0002.NPY" is taken for one of a sequence, too.
+    const std::size_t end = name.size() - std::min(name.size(), suffix_.size());
+    if (lowerCase(name.substr(end)) == lowerCase(suffix_))
+      name.replace(end, std::string::npos, suffix_);
     const auto text = numberIn(name);
     const bool numeric = text && !text->empty() && kDigits.find(text->back()) != text->npos &&
                          text->find_first_not_of("-.0123456789") == text->npos;
-    if (numeric && !match(name))
-      names.push_back(name);
+    if (numeric && !match(itsName))
+      names.push_back(itsName);
   }
   std::ranges::sort(names);
   return names;
@@ -447,6 +467,7 @@ Result<std::vector<NumberedFile>> listNumberedFiles(const std::filesystem::path&
           checkOneSequence(folder, all && fewer.size() < sequences.size() ? fewer : sequences));
     found = std::move(fractions);
   }
+  VOLUTE_TRY(checkFiles(found));
   VOLUTE_TRY(toOneScale(found));
   VOLUTE_TRY(sortByNumber(found));
   return found;

@@ -40,7 +40,7 @@ inline const GridMetadata* findEntry(const MetadataList& list, std::string_view 
 /// One file's grid on its lattice of voxels, without the values. Trivially copyable: it crosses
 /// from the process that reads the file to ours as bytes.
 struct LatticeFrame {
-  static constexpr std::size_t kMaxName = 255, kMaxWriter = 23;
+  static constexpr std::size_t kMaxName = 255, kMaxWriter = 23, kMaxUnit = 31;
 
   char grid[kMaxName + 1] = {};    ///< the name, ends in 0
   char others[kMaxName + 1] = {};  ///< the names of grids that were not chosen, as people read them
@@ -56,7 +56,8 @@ struct LatticeFrame {
   double time = std::numeric_limits<double>::quiet_NaN();  ///< [s]; NaN when not stated
   bool levelSet = false;
   char up = 0;  ///< the axis that points upwards for what wrote the file; 0: unknown
-  char writer[kMaxWriter + 1] = {};     ///< that program; empty: unknown
+  char writer[kMaxWriter + 1] = {};  ///< that program; empty: unknown, or the file states the axis
+  char unit[kMaxUnit + 1] = {};      ///< of the values; empty: unknown
   char gridClass[kMaxWriter + 1] = {};  ///< "fog volume"; empty: unknown
   bool bricks = false;                  ///< LatticeReader::readBricks() gives its topology
   bool rounded = false;                 ///< a float may be another number than one of the file
@@ -171,6 +172,10 @@ class LatticeReader {
     (void)grid, (void)whole, (void)box, (void)crop, (void)rounding;
     return fail(ErrorCode::kUnsupported, "{}: a format without topology", file.string());
   }
+
+  /// The background of the grid that readBricks() gave last, where it is NaN or infinite: the
+  /// bricks have 0 instead. Else 0.
+  virtual double lostBackground() const { return 0; }
 };
 
 /// How a frame is written.

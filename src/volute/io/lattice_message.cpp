@@ -61,6 +61,8 @@ Status checkFrame(LatticeFrame& frame, const std::string& file) {
   frame.grid[LatticeFrame::kMaxName] = '\0';
   frame.others[LatticeFrame::kMaxName] = '\0';
   frame.leftOut[LatticeFrame::kMaxName] = '\0';
+  frame.writer[LatticeFrame::kMaxWriter] = frame.gridClass[LatticeFrame::kMaxWriter] = '\0';
+  frame.unit[LatticeFrame::kMaxUnit] = '\0';
   settleFlag(frame.bricks);
   settleFlag(frame.turned);
   settleFlag(frame.vectors.local);

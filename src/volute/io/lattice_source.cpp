@@ -10,6 +10,7 @@
 #include <cstring>
 #include <functional>
 #include <optional>
+#include <utility>
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
@@ -49,6 +50,7 @@ struct Request {
 struct BricksReply {
   std::uint64_t bytes = 0;
   double rounding = 0;
+  double lostBackground = 0;
 };
 
 /// What waits in the child for the calls that fetch it.
@@ -105,7 +107,7 @@ Result<std::string> serve(LatticeReader& reader, Held& held, const std::filesyst
   if (request.bricks) {
     VOLUTE_ASSIGN(kept, reader.readBricks(path, request.grid, request.whole, request.box,
                                           request.flag, rounding));
-    return toMessage(BricksReply{kept->messageBytes(), rounding});
+    return toMessage(BricksReply{kept->messageBytes(), rounding, reader.lostBackground()});
   }
   VOLUTE_TRY(
       reader.read(path, request.grid, request.whole, request.box, request.flag, values, rounding));
@@ -435,6 +437,7 @@ class LatticeSource final : public LayerwiseSource,
     }
     if (options_.bounds) {
       VOLUTE_ASSIGN(box, toIndexBox(frames.front(), *options_.bounds, where));
+      tellCut(places.box, box, frames.front(), where);
     } else if (box.empty()) {
       return fail(
           ErrorCode::kInvalidData, "{}: grid '{}' is empty{}", where, grid,
@@ -522,6 +525,7 @@ class LatticeSource final : public LayerwiseSource,
     VOLUTE_ASSIGN(const auto said, fromMessage<BricksReply>(reply));
     const std::uint64_t bytes = said.bytes;
     rounding_ = std::max(rounding_, said.rounding);
+    tellLostBackground(said.lostBackground, path);
     if (bytes > options_.maxMemory) {
       return fail(ErrorCode::kTooLarge,
                   "{}: frame {} holds {} MiB of voxels, more than the {} MiB of memory allowed",
@@ -552,6 +556,29 @@ class LatticeSource final : public LayerwiseSource,
   }
 
  private:
+  /// Who states bounds cuts on purpose; who leaves nothing does not.
+  void tellCut(const IndexBox& whole, const IndexBox& box, const LatticeFrame& lattice,
+               const std::string& file) const {
+    if (whole.empty() || box.contains(whole) || !options_.remark)
+      return;
+    const bool nothing = box.intersection(whole).empty();
+    options_.remark(Remark(nothing ? RemarkCode::kLeftOut : RemarkCode::kNote,
+                           fmt::format("{}: '{}' takes {}; {} the bounds", file, grid_,
+                                       text(toBounds(lattice, whole)),
+                                       nothing ? "nothing of it lies within" : "it is cut to"))
+                        .in(file));
+  }
+
+  /// Programs say with it that nothing is known there.
+  void tellLostBackground(double background, const std::filesystem::path& file) {
+    if (background == 0 || !options_.remark || std::exchange(toldBackground_, true))
+      return;
+    options_.remark(Remark(RemarkCode::kChanged,
+                           fmt::format("{}: the background of '{}' is {} and is taken as 0",
+                                       file.string(), grid_, background))
+                        .in(file.string()));
+  }
+
   /// What is asked of a file for some layers of its frame.
   Request readingOf(int index, int first, int end) const {
     const auto& shift = shifts_[static_cast<std::size_t>(index)];
@@ -576,7 +603,7 @@ class LatticeSource final : public LayerwiseSource,
     const auto& path = files_[index].path;
     Request request;
     request.describe = true;
-    request.flag = !options_.bounds;
+    request.flag = true;  // what bounds cut is told
     grid.copy(request.grid, LatticeFrame::kMaxName);
     options_.usualGrid.copy(request.usual, LatticeFrame::kMaxName);
     sample(request);
@@ -643,9 +670,11 @@ class LatticeSource final : public LayerwiseSource,
   /// One sequence has one up axis.
   Status checkUp(const std::vector<LatticeFrame>& frames, const std::string& grid) const {
     const auto said = [](const LatticeFrame& frame) {
-      return frame.up
-                 ? fmt::format("was written by {}, where {} points upwards", frame.writer, frame.up)
-                 : std::string("does not say which axis points upwards");
+      if (frame.up == 0)
+        return std::string("does not say which axis points upwards");
+      return frame.writer[0] == '\0' ? fmt::format("says that {} points upwards", frame.up)
+                                     : fmt::format("was written by {}, where {} points upwards",
+                                                   frame.writer, frame.up);
     };
     for (std::size_t i = 1; i < frames.size() && !options_.upStated; ++i) {
       if (frames[i].up == frames[0].up)
@@ -720,6 +749,7 @@ class LatticeSource final : public LayerwiseSource,
     for (const auto& file : files_) info_.frameNumbers.push_back(file.number);
     info_.frameScale = files_.front().scale;
     info_.up = frames.front().up;
+    info_.unit = frames.front().unit;
     info_.levelSet = frames.front().levelSet;
     writer_ = frames.front().writer;
     gridClass_ = frames.front().gridClass;
@@ -762,7 +792,7 @@ class LatticeSource final : public LayerwiseSource,
   std::vector<std::array<std::int64_t, 3>> shifts_;
   std::vector<GridMatrix> places_;
   VectorKind vectors_;
-  bool hasBricks_ = false, rounded_ = false;
+  bool hasBricks_ = false, rounded_ = false, toldBackground_ = false;
   std::uint64_t memory_ = 0;  // of the bricks of a frame, about
   std::vector<double> amounts_;
   VolumeInfo info_;

@@ -4,6 +4,7 @@
 
 #include <openvdb/io/GridDescriptor.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
@@ -22,7 +23,44 @@ bool isKeptElsewhere(const std::string& name) {
 
 constexpr std::size_t kSizeBytes = sizeof(openvdb::Index32);  // before a value of metadata
 
+/// As what people and programs state calls them.
+constexpr VdbProgram kPrograms[] = {
+    {"Houdini", 'y'},  {"Blender", 'z'}, {"Bifrost", 'y'},   {"EmberGen", 'y'},  {"JangaFX", 'y'},
+    {"LiquiGen", 'y'}, {"GeoGen", 'y'},  {"Maya", 'y'},      {"Cinema 4D", 'y'}, {"Katana", 'y'},
+    {"Unreal", 'z'},   {"3ds Max", 'z'}, {"Mantaflow", 'z'}, {"RealFlow", 'y'}};
+
 }  // namespace
+
+const VdbProgram* programOf(const openvdb::MetaMap& map) {
+  const auto named = [](std::string_view name) {
+    return std::ranges::find(kPrograms, name, &VdbProgram::name);
+  };
+  for (const char* key : {"creator", "software", "application", "generator", "author"}) {
+    const std::string stated = textEntry(map, key);
+    for (const VdbProgram& program : kPrograms) {
+      if (stated.find(program.name) != std::string::npos)
+        return &program;
+    }
+  }
+  for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) {
+    if (entry->first.find("bifrost") != std::string::npos)
+      return named("Bifrost");
+  }
+  // Mantaflow's, which is Blender's solver.
+  if (map["file_base_resolution"] && map["file_voxel_size"])
+    return named("Blender");
+  return nullptr;
+}
+
+std::string textEntry(const openvdb::MetaMap& map, const char* key) {
+  const auto stated = map.getMetadata<openvdb::StringMetadata>(key);
+  return stated ? stated->value() : std::string();
+}
+
+char statedUp(const openvdb::MetaMap& map) {
+  const std::string up = textEntry(map, kUpKey);
+  return up == "x" || up == "y" || up == "z" ? up.front() : '\0';
+}
 
 std::string nameInFile(const std::string& name) {
   const auto bracket = name.rfind('[');

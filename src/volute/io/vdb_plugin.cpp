@@ -61,8 +61,8 @@ std::vector<GridEntry> entriesOf(const VdbFile& file, const std::string& wanted)
 }
 
 /// What is in the grid, as far as it reaches into `box`: voxels and tiles that are active or not
-/// the background. Inactive voxels that are no numbers are background. Values are differences from
-/// `offset`.
+/// the background. Inactive voxels that are no numbers are background, and a background that is
+/// none is 0. Values are differences from `offset`.
 /// @param topology  the same without values; where only `box` was read, tiles across its border are
 /// voxels in `grid`
 /// @param counted  whether Bricks::leftOut() is
@@ -188,64 +188,40 @@ std::uint64_t notedBrickBytes(const openvdb::GridBase& grid) {
   return noted && noted->value() > 0 ? static_cast<std::uint64_t>(noted->value()) * 5 / 4 : 0;
 }
 
-template <class Grid>
-bool addBackground(const openvdb::GridBase& base, GridTraits& traits) {
-  if (!base.isType<Grid>())
-    return false;
-  const auto& background = static_cast<const Grid&>(base).background();
-  constexpr std::size_t kCount = Channels<typename Grid::ValueType>::kCount;
-  for (std::size_t c = 0; c < kCount; ++c) {
-    double number = 0;
-    if constexpr (kCount == 1)
-      number = background;
+/// Of each channel, as the file has it; zeros where the grid is of a type that is no volume.
+std::array<double, 3> backgroundOf(const openvdb::GridBase& grid) {
+  std::array<double, 3> background{};
+  const auto take = [&]<class Grid>() {
+    if (!grid.isType<Grid>())
+      return;
+    const auto& value = static_cast<const Grid&>(grid).background();
+    if constexpr (Channels<typename Grid::ValueType>::kCount == 1)
+      background[0] = value;
     else
-      number = background[static_cast<int>(c)];
-    traits.background[c] = std::isfinite(number) ? number : 0;
-  }
-  return true;
-}
-
-/// A program that writes caches, and its up axis.
-struct Writer {
-  std::string_view name;
-  char up;
-};
-
-/// As what people and programs state calls them.
-constexpr Writer kWriters[] = {
-    {"Houdini", 'y'},  {"Blender", 'z'}, {"Bifrost", 'y'},   {"EmberGen", 'y'},  {"JangaFX", 'y'},
-    {"LiquiGen", 'y'}, {"GeoGen", 'y'},  {"Maya", 'y'},      {"Cinema 4D", 'y'}, {"Katana", 'y'},
-    {"Unreal", 'z'},   {"3ds Max", 'z'}, {"Mantaflow", 'z'}, {"RealFlow", 'y'}};
-
-/// By what metadata of a file or a grid say; null: nothing.
-const Writer* writerOf(const openvdb::MetaMap& map) {
-  const auto named = [](std::string_view name) {
-    return std::ranges::find(kWriters, name, &Writer::name);
+      for (int c = 0; c < 3; ++c) background[static_cast<std::size_t>(c)] = value[c];
   };
-  for (const char* key : {"creator", "software", "application", "generator", "author"}) {
-    const auto stated = map.getMetadata<openvdb::StringMetadata>(key);
-    for (const Writer& writer : kWriters) {
-      if (stated && stated->value().find(writer.name) != std::string::npos)
-        return &writer;
-    }
-  }
-  for (auto entry = map.beginMeta(); entry != map.endMeta(); ++entry) {
-    if (entry->first.find("bifrost") != std::string::npos)
-      return named("Bifrost");
-  }
-  // Mantaflow's, which is Blender's solver.
-  if (map["file_base_resolution"] && map["file_voxel_size"])
-    return named("Blender");
-  return nullptr;
+  take.template operator()<openvdb::FloatGrid>();
+  take.template operator()<openvdb::DoubleGrid>();
+  take.template operator()<openvdb::Vec3SGrid>();
+  take.template operator()<openvdb::Vec3DGrid>();
+  return background;
 }
 
-void putWriter(const VdbFile& file, LatticeFrame& frame) {
-  const Writer* writer = writerOf(file.metadata());
-  for (std::size_t i = 0; !writer && i < file.gridCount(); ++i) writer = writerOf(file.grid(i));
-  if (!writer)
+/// What a file says of its up axis and, of the grid, of its values.
+void putStatements(const VdbFile& file, std::size_t index, LatticeFrame& frame) {
+  if (const auto unit = textEntry(file.grid(index), kUnitKey);
+      unit.size() <= LatticeFrame::kMaxUnit)
+    putText(unit, frame.unit, LatticeFrame::kMaxUnit);
+  for (std::size_t i = 0; frame.up == 0 && i < file.gridCount(); ++i)
+    frame.up = statedUp(file.grid(i));
+  if (frame.up != 0)
     return;
-  frame.up = writer->up;
-  putText(writer->name, frame.writer, LatticeFrame::kMaxWriter);
+  const VdbProgram* program = programOf(file.metadata());
+  for (std::size_t i = 0; !program && i < file.gridCount(); ++i) program = programOf(file.grid(i));
+  if (!program)
+    return;
+  frame.up = program->up;
+  putText(program->name, frame.writer, LatticeFrame::kMaxWriter);
 }
 
 Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
@@ -266,7 +242,7 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
       grid.isType<openvdb::Vec3SGrid>() || grid.isType<openvdb::Vec3DGrid>() ? 3 : 1;
   if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
     result.frame.time = time->value();
-  putWriter(file, result.frame);
+  putStatements(file, index, result.frame);
   if (file.name(index).size() > LatticeFrame::kMaxName) {
     putText("with a name that is too long", traits.problem, GridTraits::kMaxProblem);
     return result;
@@ -287,10 +263,8 @@ Result<LatticeGrid> describeForCache(VdbFile& file, std::size_t index) {
   result.frame.vectors = vectorKindOf(listMetadata(grid));
   const auto tree = file.readTopology(index);
   result.frame.box = toIndexBox(tree->evalActiveVoxelBoundingBox());
-  (void)(addBackground<openvdb::FloatGrid>(*tree, traits) ||
-         addBackground<openvdb::DoubleGrid>(*tree, traits) ||
-         addBackground<openvdb::Vec3SGrid>(*tree, traits) ||
-         addBackground<openvdb::Vec3DGrid>(*tree, traits));
+  traits.background = backgroundOf(*tree);
+  for (double& number : traits.background) number = std::isfinite(number) ? number : 0;
   traits.voxels = tree->activeVoxelCount();
   result.frame.bricks = true;
   result.frame.rounded = hasDoubles(grid);
@@ -343,7 +317,7 @@ class VdbReader final : public LatticeReader {
         VOLUTE_TRY(readTransform(grid, where, frame));
       if (const auto time = grid.getMetadata<openvdb::DoubleMetadata>(kTimeKey))
         frame.time = time->value();
-      putWriter(file, frame);
+      putStatements(file, index, frame);
       frame.levelSet = entries[index].type == kLevelSet;
       if (grid.getGridClass() != openvdb::GRID_UNKNOWN)
         putText(openvdb::GridBase::gridClassToString(grid.getGridClass()), frame.gridClass,
@@ -467,9 +441,14 @@ class VdbReader final : public LatticeReader {
       auto bricks = bricksOfGrid(*grid, *topology, part, offset_, all && !crop, rounding);
       if (!bricks)
         return changedType(path, wanted);
+      lostBackground_ = 0;
+      for (const double number : backgroundOf(*grid))
+        lostBackground_ = std::isfinite(number) ? lostBackground_ : number;
       return *std::move(bricks);
     });
   }
+
+  double lostBackground() const override { return lostBackground_; }
 
   void takeOffset(double offset) override { offset_ = offset; }
 
@@ -484,7 +463,7 @@ class VdbReader final : public LatticeReader {
   }
 
   std::optional<FrustumSampling> frusta_;
-  double offset_ = 0;
+  double offset_ = 0, lostBackground_ = 0;
 };
 
 }  // namespace

@@ -209,8 +209,33 @@ void putTime(const VolumeInfo& info, int frame, openvdb::GridBase& grid) {
   grid.insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[static_cast<std::size_t>(frame)]));
 }
 
+/// The unit of the values, and the up axis where it is not that of the program that the file names.
+void putStatements(const VolumeInfo& info, const VdbProgram* program, openvdb::GridBase& grid) {
+  if (!info.unit.empty() && info.unit.size() <= LatticeFrame::kMaxUnit)
+    grid.insertMeta(kUnitKey, openvdb::StringMetadata(info.unit));
+  const char stated = statedUp(grid);
+  if (info.up != 0 && info.up != (stated ? stated : program ? program->up : 0))
+    grid.insertMeta(kUpKey, openvdb::StringMetadata(std::string(1, info.up)));
+}
+
+/// That which metadata of a file and of its grids name.
+const VdbProgram* programOf(const openvdb::MetaMap& ofFile, std::span<const GridFrame> frames) {
+  const VdbProgram* program = volute::programOf(ofFile);
+  for (const GridFrame& frame : frames) {
+    const MetadataList* const own =
+        frame.description ? frame.description->metadata.at(frame.frame) : nullptr;
+    openvdb::MetaMap ofGrid;
+    if (own && !program)
+      putMetadata(*own, ofGrid);
+    program = program ? program : volute::programOf(ofGrid);
+  }
+  return program;
+}
+
 /// A grid of a frame of a cache.
-Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::string& target) {
+/// @param program  that the file names; null: none
+Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::string& target,
+                                         const VdbProgram* program) {
   const GridDescription& description = *frame.description;
   VOLUTE_ASSIGN(const Index3 begin, beginOf(frame, target));
   const MetadataList* const own = description.metadata.at(frame.frame);
@@ -227,6 +252,7 @@ Result<openvdb::GridBase::Ptr> cacheGrid(const GridFrame& frame, const std::stri
   if (own)
     putMetadata(*own, *grid);
   putTime(*frame.info, frame.frame, *grid);
+  putStatements(*frame.info, program, *grid);
   const std::string plainName = nameInFile(frame.info->name);
   const std::string name = said(openvdb::GridBase::META_GRID_NAME, plainName);
   grid->setName(frame.info->name.starts_with(name) ? name : plainName);
@@ -271,6 +297,7 @@ class VdbWriter final : public LatticeWriter {
       grid->setTransform(makeTransform(info));
       grid->setSaveFloatAsHalf(options_.half);
       grid->insertMeta(kTimeKey, openvdb::DoubleMetadata(info.times[frame]));
+      putStatements(info, nullptr, *grid);
       if (extensionOf(target) == ".nvdb") {
         writeNanoGrids(stream, {grid});
         return {};
@@ -284,21 +311,22 @@ class VdbWriter final : public LatticeWriter {
   Status writeGrids(const std::filesystem::path& temporary, const std::filesystem::path& target,
                     std::span<const GridFrame> frames, const MetadataList* metadata) override {
     return written(temporary, target, [&](std::ofstream& stream) -> Status {
+      openvdb::MetaMap ofFile;
+      if (metadata)
+        putMetadata(*metadata, ofFile);
+      const VdbProgram* const program = programOf(ofFile, frames);
       if (extensionOf(target) == ".nvdb") {
         std::vector<openvdb::GridBase::Ptr> grids;
         for (const GridFrame& frame : frames) {
           if (frame.kept)
             return fail(ErrorCode::kUnsupported, "{}: takes no grids as their bytes",
                         target.string());
-          VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string()));
+          VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string(), program));
           grids.push_back(grid);
         }
         writeNanoGrids(stream, grids);
         return {};
       }
-      openvdb::MetaMap ofFile;
-      if (metadata)
-        putMetadata(*metadata, ofFile);
       const VdbOutput output(packing());
       output.begin(stream, ofFile, frames.size());
       std::uint32_t content = 0;
@@ -308,7 +336,7 @@ class VdbWriter final : public LatticeWriter {
           VOLUTE_TRY(VdbOutput::add(stream, *frame.kept, target.string(), content));
           continue;
         }
-        VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string()));
+        VOLUTE_ASSIGN(const auto grid, cacheGrid(frame, target.string(), program));
         output.add(stream, uniqueNameOf(frame.info->name, grid->getName()), grid);
         content ^= frame.bricks->checksum();
         number = frame.info->frameNumbers[static_cast<std::size_t>(frame.frame)];

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/frame_name.hpp"
 #include "volute/io/array_file.hpp"
 #include "volute/io/lattice_sink.hpp"
 #include "volute/io/npy.hpp"
@@ -49,9 +50,16 @@ Result<const LatticePlugin*> loadVdbWriter() {
 Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                               const VolumeInfo& info, const SinkOptions& options) {
   const std::string extension = extensionOf(output);
+  const bool array = isArrayOutput(output);
+  if ((extension == ".npy" || array) && namesSeries(output)) {
+    return failFor("output", ErrorCode::kInvalidArgument,
+                   "'{}' names a file for each frame, and a {} holds all frames; leave the frame "
+                   "number out of the name",
+                   output.string(), extension);
+  }
   if (extension == ".npy" || output == "-")
     return NpySink::create(output, info, options.offset);
-  if (isArrayOutput(output))
+  if (array)
     return createArraySink(output, info, options.offset);
   const bool vdb = isVdbPath(output);
   if (!vdb && extension != ".vti" && extension != ".pvd") {

@@ -86,9 +86,17 @@ Result<std::vector<LatticeFile>> listLatticeFiles(const std::filesystem::path& i
           "may be empty (touch case.foam)",
           input.string());
     }
-    VOLUTE_TRY(volumesIn(input));
-    VOLUTE_ASSIGN(auto files, listNumberedFiles(input, ".vdb"));
-    return toLatticeFiles(std::move(files));
+    VOLUTE_TRY(volumesIn(input));  // both kinds: which one is meant?
+    auto files = listNumberedFiles(input, ".vdb");
+    if (!files && files.error().code == ErrorCode::kNotFound) {
+      return fail(ErrorCode::kNotFound,
+                  "{}: no numbered .vdb or .npy files in this folder; name files of another kind "
+                  "with a pattern, such as {}",
+                  input.string(), (input / "name_%04d.vti").string());
+    }
+    if (!files)
+      return tl::unexpected(std::move(files.error()));
+    return toLatticeFiles(std::move(*files));
   }
   // A file whose name happens to look like a pattern is that file.
   if (namesSeriesOfFiles(input))
@@ -136,8 +144,15 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
     VOLUTE_ASSIGN(const auto files, pattern.list(SubFrames::kAllowed));
     return openNpySequence(files, options);
   }
-  if (const auto array = namedArray(input))
+  if (const auto array = namedArray(input)) {
+    if (namesSeriesOfFiles(array->file)) {
+      return fail(ErrorCode::kUnsupported,
+                  "{}: a pattern of {} files; expected one file with all frames, or a pattern of "
+                  ".vdb, .npy, .npz or .vti files",
+                  input.string(), extensionOf(array->file));
+    }
     return openArrayFile(*array, options);
+  }
   const bool folder = std::filesystem::is_directory(input, error);
   if (folder) {
     VOLUTE_ASSIGN(const auto kind, volumesIn(input));
