@@ -152,6 +152,15 @@ tl::unexpected<Error> Compressor::unreachable() const {
                 name_, nameOf(options_.target.kind), options_.target.value, fileBytes_,
                 info_.rawBytes());
   }
+  const double greatest =
+      std::max(std::abs(head_.header.valueMin), std::abs(head_.header.valueMax));
+  if (const double apart = std::ldexp(greatest, -23);
+      goal_.isMaxError() && goal_.value() < apart && error_.maximum > apart) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: {} = {} cannot be reached: it is finer than float32, in which values as large "
+                "as {:.3g} are {:.2g} apart; ask for more",
+                name_, nameOf(options_.target.kind), options_.target.value, greatest, apart);
+  }
   return fail(ErrorCode::kUnsupported,
               "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
               "{:.3g} and a maximum error of {:.3g}; ask for more",

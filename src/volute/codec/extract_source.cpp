@@ -82,10 +82,11 @@ VolumeInfo extractedInfo(const VolumeInfo& whole, const Extraction& extraction) 
   return info;
 }
 
-/// Sums cubes of 2^level voxels of `fine`, shape (z, y, x, c) of the region, and divides by their
-/// full number.
+/// Means of cubes of 2^level voxels of `fine`, shape (z, y, x, c) of the region; beyond it they
+/// count the background.
 void averageCubes(std::span<const float> fine, const Region& region, int level,
-                  const VolumeInfo& info, std::span<float> values) {
+                  const VolumeInfo& info, const std::array<float, 3>& background,
+                  std::span<float> values) {
   const int channels = info.channels;
   std::vector<double> sums(info.frameValues());
   for (int z = 0; z < region.z(); ++z) {
@@ -99,9 +100,23 @@ void averageCubes(std::span<const float> fine, const Region& region, int level,
       }
     }
   }
-  const double share = 1.0 / static_cast<double>(std::int64_t{1} << (3 * level));
-  std::ranges::transform(sums, values.begin(),
-                         [=](double sum) { return static_cast<float>(sum * share); });
+  const auto full = static_cast<double>(std::int64_t{1} << (3 * level));
+  // How many voxels of the region a cube has along an axis.
+  const auto within = [level](int cube, int voxels) {
+    return std::min(1 << level, voxels - (cube << level));
+  };
+  std::size_t i = 0;
+  for (int z = 0; z < info.z; ++z) {
+    for (int y = 0; y < info.y; ++y) {
+      for (int x = 0; x < info.x; ++x) {
+        const double beyond =
+            full - static_cast<double>(std::int64_t{within(z, region.z())} * within(y, region.y()) *
+                                       within(x, region.x()));
+        for (std::size_t c = 0; c < static_cast<std::size_t>(channels); ++c, ++i)
+          values[i] = static_cast<float>((sums[i] + beyond * background[c]) / full);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -256,12 +271,18 @@ Status ExtractSource::readFrame(int index, std::span<float> values) {
   if (extraction_.level == 0) {
     std::ranges::copy(frame, values.begin());
   } else {
-    averageCubes(frame, extraction_.region, extraction_.level, info_, values);
+    averageCubes(frame, extraction_.region, extraction_.level, info_, reader_->background(),
+                 values);
   }
   // Coarse levels, asked for or all that is intact, may leave the original's range.
   const VoluteHeader& header = reader_->header();
-  const auto least = static_cast<float>(std::min(0.0, header.valueMin) - reader_->offset());
-  const auto most = static_cast<float>(std::max(0.0, header.valueMax) - reader_->offset());
+  const auto around = reader_->background();
+  const auto outside = std::span(around).first(static_cast<std::size_t>(info_.channels));
+  const auto least =
+      std::min(static_cast<float>(std::min(0.0, header.valueMin) - reader_->offset()),
+               *std::ranges::min_element(outside));
+  const auto most = std::max(static_cast<float>(std::max(0.0, header.valueMax) - reader_->offset()),
+                             *std::ranges::max_element(outside));
   for (float& value : values) value = std::clamp(value, least, most);
   return {};
 }

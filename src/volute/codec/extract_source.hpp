@@ -27,8 +27,8 @@ struct Extraction {
 ///
 /// Level L leaves out the finest L levels of each block, which hold what is smaller than 2^L voxels
 /// in space and 2^L frames in time, and averages cubes of 2^L voxels. Cubes that reach beyond the
-/// region count zeros there, so that integrals are kept; the bounds grow with them. The number of
-/// frames stays.
+/// region count the background there, so that integrals are kept; the bounds grow with them. The
+/// number of frames stays.
 class ExtractSource final : public FrameSource {
  public:
   /// Holds the selected frames of one row of blocks, or as many of them as the memory that is
