@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <chrono>
 #include <cmath>
@@ -16,7 +17,6 @@
 #include "volute/base/remark_log.hpp"
 #include "volute/codec/bundle.hpp"
 #include "volute/grid/bricks.hpp"
-#include "volute/grid/wrapped_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/volume_files/compression_report.hpp"
 #include "volute/volume_files/finite_source.hpp"
@@ -44,32 +44,9 @@ class GridProgress final : public Progress {
   std::string name_;
 };
 
-/// Tells once what its frames lost when they were read.
-class ToldSource final : public WrappedSource {
- public:
-  ToldSource(std::unique_ptr<FrameSource> source, std::string path, Progress& log)
-      : WrappedSource(std::move(source)), path_(std::move(path)), log_(log) {}
-
-  Status readBricks(int index, int first, int end, Bricks& bricks) override {
-    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
-    if (bricks.leftOut() > 0 && !std::exchange(told_, true)) {
-      log_.remark(
-          Remark(RemarkCode::kLeftOut,
-                 fmt::format("{}: '{}', frame {}: what inactive voxels hold is not kept where they "
-                             "lie beyond all active ones or are no numbers ({} of them)",
-                             path_, info().name, info().frameText(static_cast<std::size_t>(index)),
-                             bricks.leftOut()),
-                 {Hint::set("keep", info().name).so("keeps the grid as it is")})
-              .in(path_));
-    }
-    return {};
-  }
-
- private:
-  std::string path_;
-  Progress& log_;
-  bool told_ = false;
-};
+Hints wayToKeep(const std::string& grid) {
+  return {Hint::set("keep", grid).so("keeps the grid as it is")};
+}
 
 /// Adds up what all ranks have replaced, and tells it.
 Result<std::uint64_t> tellReplaced(const std::string& path, const std::string& grid,
@@ -156,11 +133,13 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   VOLUTE_ASSIGN(auto source, grids_.source(chosen_[i]));
   const auto replaced = std::make_shared<ReplacedValues>();
   source = asFinite(std::move(source), how_.notFinite, target_, replaced);
-  source = std::make_unique<ToldSource>(std::move(source), target_, reading_.progress);
+  source = tellingLosses(std::move(source), target_, reading_.progress, wayToKeep(grid.name));
   source = asStated(std::move(source), how_.stated);
   VOLUTE_ASSIGN(source, selectFrames(std::move(source), how_.frames));
   CompressOptions options = how_.options;
   options.target = target;
+  VOLUTE_ASSIGN(const OwnError own, grids_.ownError(chosen_[i]));
+  options.sourceRms = own.rms, options.sourceMaxError = own.maximum;
   options.halves = grid.description && grid.description->half;
   if (!options.work.empty())
     options.work /= fmt::format("{:03}", i);
@@ -277,7 +256,8 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
 /// there.
 /// @param cropped  it begins at another voxel than the cache's
 bool wantsDescription(const VolumeGrid& grid, bool cropped) {
-  constexpr std::string_view kOwnTime = "volute:time", kHalf = "is_saved_as_half_float";
+  constexpr std::array<std::string_view, 4> kOwn{"volute:time", "volute:up", "volute:unit",
+                                                 "is_saved_as_half_float"};
   if (!grid.description)
     return false;
   const GridDescription& one = *grid.description;
@@ -285,7 +265,7 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
   const bool plainClass = one.gridClass == "fog volume";
   const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
     return std::ranges::all_of(
-        list, [&](const auto& entry) { return entry.name == kOwnTime || entry.name == kHalf; });
+        list, [&](const auto& entry) { return std::ranges::find(kOwn, entry.name) != kOwn.end(); });
   });
   const bool inAllFrames =
       std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
@@ -421,6 +401,12 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
   for (const std::string& name : how.keep) {
     VOLUTE_ASSIGN(const auto found, grids->choose(name, path));
     keep.push_back(found[0]);
+    if (std::ranges::find(named, found[0]) == named.end()) {
+      return failFor(
+          "keep", ErrorCode::kInvalidArgument,
+          "{}: grid '{}' is to be kept, and is not one of the grids to be compressed: {}", path,
+          name, input.grid);
+    }
   }
   std::vector<std::size_t> chosen, kept;
   std::vector<std::string> asBytes, leftOut;
@@ -483,13 +469,16 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
                                wayOut});
   }
   remarkOnFiles(path, reading);
+  remarkOnRange(path, grids->frames(), how.frames, reading);
   for (const std::size_t i : chosen) {
-    if (!input.partial || !isVolutePath(path) || all[i].empty)
+    if (!isVolutePath(path) || all[i].empty)
       continue;
     RemarkLog log(reading.progress);
     Reading logged = reading.with(log);
-    VOLUTE_TRY(openVolute(path, true, logged, true, all[i].name));
+    VOLUTE_ASSIGN(const auto own,
+                  openVolute(path, input.partial, logged, input.partial, all[i].name));
     addDamage(log, path, how.options);
+    remarkOnOwnError(path, *own, reading);
   }
   VOLUTE_ASSIGN(const auto result, compressGrids(*grids, chosen, target, how, reading, team, kept));
   const VolumeInfo& frames = result.frames;
@@ -536,21 +525,23 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
     const double most = bytesAllowed(wanted, result.rawBytes());
     // What is nearly nothing but its description cannot get smaller, and stays as it is.
     constexpr double kSmall = 1000;
-    double sum = 0, small = 0;
-    for (const CompressedGrid& grid : result.grids) {
-      const auto bytes = static_cast<double>(grid.report.fileBytes);
-      (bytes < kSmall ? small : sum) += bytes;
-    }
-    const double table = std::max(static_cast<double>(result.fileBytes) - sum - small, 0.0);
-    if (most <= table + small) {
+    const auto stays = [&](const CompressedGrid& grid) {
+      return static_cast<double>(grid.report.fileBytes) < kSmall || how.rms.contains(grid.name);
+    };
+    double sum = 0, fixed = 0;
+    for (const CompressedGrid& grid : result.grids)
+      (stays(grid) ? fixed : sum) += static_cast<double>(grid.report.fileBytes);
+    const double table = std::max(static_cast<double>(result.fileBytes) - sum - fixed, 0.0);
+    if (most <= table + fixed) {
       return fail(ErrorCode::kUnsupported,
-                  "{}: cannot be made as small as {:.0f} bytes; it has {:.0f} without any values",
-                  target, most, table + small);
+                  "{}: cannot be made as small as {:.0f} bytes; it has {:.0f} without any values{}",
+                  target, most, table + fixed,
+                  how.rms.empty() ? "" : " but those of the grids whose error is stated");
     }
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       const auto bytes = static_cast<double>(result.grids[i].report.fileBytes);
-      const double share = std::floor((most - table - small) * bytes / std::max(sum, 1.0));
-      if (bytes >= kSmall)
+      const double share = std::floor((most - table - fixed) * bytes / std::max(sum, 1.0));
+      if (!stays(result.grids[i]))
         targets[i] = {Kind::kSize, std::max(1.0, share)};
     }
     VOLUTE_TRY(files.compressAll(targets));
@@ -589,8 +580,15 @@ Result<Report> compressVolume(const std::string& path, const std::string& target
   remarkOnBounds(path, input, reading);
   const bool whole =
       how.frames == FrameRange{} && !input.bounds && volume.source->otherGrids().empty();
-  volume.source = std::make_unique<ToldSource>(std::move(volume.source), path, reading.progress);
+  remarkOnRange(path, volume.source->info(), how.frames, reading);
+  volume.source = tellingLosses(std::move(volume.source), path, reading.progress,
+                                wayToKeep(volume.source->info().name));
   VOLUTE_ASSIGN(const auto source, selectFrames(std::move(volume.source), how.frames));
+  if (volume.reader) {
+    const OwnError own = ownErrorOf(*volume.reader);
+    options.sourceRms = own.rms, options.sourceMaxError = own.maximum;
+    remarkOnOwnError(path, *volume.reader, reading);
+  }
   VOLUTE_ASSIGN(const auto result, compress(*source, target, options, reading.progress, team));
   VOLUTE_ASSIGN(
       const std::uint64_t replaced,
@@ -619,7 +617,9 @@ Result<std::map<std::string, double>> parseGridRms(const std::string& text) {
                   "most 1, as density=0.001",
                   one);
     }
-    all[one.substr(0, equals)] = rms;
+    if (!all.emplace(one.substr(0, equals), rms).second)
+      return fail(ErrorCode::kInvalidArgument, "'{}' names '{}' twice", text,
+                  one.substr(0, equals));
   }
   return all;
 }

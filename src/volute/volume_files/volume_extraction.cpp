@@ -358,26 +358,6 @@ Status checkBricks(std::span<const std::shared_ptr<const VoluteReader>> readers,
               (needed >> 20) + 1, maxMemory >> 20);
 }
 
-/// What a volume says that files of other formats have no place for.
-void remarkOnWhatIsLost(const VolumeInfo& info, const std::string& target, Reading& reading) {
-  if (isVdbPath(target) || target == "-")
-    return;
-  std::string lost;
-  if (info.up != 0)
-    lost = fmt::format("that {} points upwards", info.up);
-  const bool oneFile = !namesSeries(target) && extensionOf(target) != ".pvd";
-  const bool counted = std::ranges::equal(info.frameNumbers, std::views::iota(0, info.frames)) &&
-                       info.frameScale.decimals == 0;
-  if (oneFile && !counted && info.frames > 1)
-    lost +=
-        fmt::format("{}that its frames are {} to {}", lost.empty() ? "" : ", or ",
-                    info.frameText(0), info.frameText(static_cast<std::size_t>(info.frames) - 1));
-  if (!lost.empty())
-    reading.progress.remark(
-        Remark(RemarkCode::kLeftOut, fmt::format("{}: such a file does not say {}", target, lost))
-            .in(target));
-}
-
 Status Extractor::one(const std::string& grid, const std::string& target) {
   VOLUTE_ASSIGN(auto reader,
                 openVolute(path_, request_.partial, reading_, true, grid, request_.level == 0));
@@ -413,7 +393,9 @@ Status Extractor::one(const std::string& grid, const std::string& target) {
                 ExtractSource::create(reader, std::move(extraction), reading_.progress));
   VolumeInfo info = source->info();
   info.times = framesAt(reader->info(), positions, request_.framesPerSecond).times;
-  remarkOnWhatIsLost(info, target, reading_);
+  const auto& said = reader->grid().description;
+  info.levelSet = info.levelSet || (said && said->gridClass == "level set");
+  remarkOnWhatIsLost(info, {.turned = said && !said->matrices.empty()}, target, reading_);
   const auto open = [&] { return createSink(target, info, {.offset = reader->offset()}); };
   if (team_.size() == 1) {
     VOLUTE_ASSIGN(const auto sink, open());
@@ -446,31 +428,17 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
     VOLUTE_TRY(checkBricks(grids.readers, grids.positions, path_, reading_.maxMemory));
   const VolumeInfo numbers = framesAt(frames, grids.positions, request_.framesPerSecond);
   for (GridTarget& grid : grids.targets) grid.info.times = numbers.times;
-  VolumeInfo untimed = numbers;
-  untimed.times.clear();
-  untimed.fillDefaults();
-  if (extensionOf(target) == ".nvdb" && numbers.frames > 1 && numbers.times != untimed.times) {
-    reading_.progress.remark(
-        Remark(RemarkCode::kLeftOut,
-               fmt::format("{}: .nvdb files state no times: who reads them has to state the rate",
-                           target))
-            .in(target));
-  }
   const auto says = [](const FrameMetadata& of) {
     return std::ranges::any_of(of.lists, [](const auto& list) { return !list.empty(); });
   };
-  if (extensionOf(target) == ".nvdb" &&
-      (says(grids.fileMetadata) || std::ranges::any_of(grids.targets, [&](const GridTarget& grid) {
-         return says(grid.description.metadata);
-       }))) {
-    reading_.progress.remark(
-        Remark(RemarkCode::kLeftOut,
-               fmt::format("{}: .nvdb files keep no metadata{}", target,
-                           frames.up == 0
-                               ? std::string()
-                               : fmt::format(", and do not say that {} points upwards", frames.up)))
-            .in(target));
-  }
+  const bool metadata =
+      says(grids.fileMetadata) || std::ranges::any_of(grids.targets, [&](const GridTarget& grid) {
+        return says(grid.description.metadata);
+      });
+  VolumeInfo all = numbers;
+  for (const GridTarget& grid : grids.targets)
+    all.unit = all.unit.empty() ? grid.info.unit : all.unit;
+  remarkOnWhatIsLost(all, {.metadata = metadata}, target, reading_);
   const MakeSink make = [&] {
     return createCacheSink(target, grids.targets, grids.fileMetadata, grids.kept, &numbers);
   };
@@ -512,7 +480,10 @@ Status Extractor::cache(const std::vector<std::string>& names, const std::string
 
 Status Extractor::fds(const std::string& target, std::optional<int> mesh) {
   VOLUTE_ASSIGN(auto volume, openFdsVolume(path_, request_.fields, std::nullopt, mesh, reading_));
+  remarkOnRange(path_, volume->info(), request_.frames, reading_);
   VOLUTE_ASSIGN(auto source, selectFrames(std::move(volume), request_.frames));
+  remarkOnWhatIsLost(source->info(), {}, target, reading_);
+  remarkOnOtherFrames(target, source->info(), reading_);
   VOLUTE_ASSIGN(auto sink, createSink(target, source->info()));
   VOLUTE_TRY(copyFrames(*source, *sink, "extracting", reading_.progress));
   Report report;
@@ -569,6 +540,21 @@ bool namesEachGrid(const std::string& target) {
   return target.find(kGridWord) != std::string::npos;
 }
 
+Status checkWords(const std::string& target, std::string_view known) {
+  const std::string name = std::filesystem::path(target).filename().string();
+  for (auto begin = name.find('{'); begin != name.npos; begin = name.find('{', begin + 1)) {
+    const auto end = name.find_first_not_of("abcdefghijklmnopqrstuvwxyz", begin + 1);
+    if (end == name.npos || name[end] != '}' || end == begin + 1)
+      continue;
+    if (const auto word = name.substr(begin, end + 1 - begin); word != known) {
+      return failFor("output", ErrorCode::kInvalidArgument,
+                     "'{}' has {}, which nothing is filled in for; expected {} or none", target,
+                     word, known);
+    }
+  }
+  return {};
+}
+
 bool namesEachMesh(const std::string& target) {
   return target.find(kMeshWord) != std::string::npos;
 }
@@ -580,6 +566,7 @@ std::string nameOfGrid(std::string target, const std::string& grid) {
 Status extractVolute(const std::string& path, const std::string& target,
                      const ExtractionRequest& request, const Extracted& extracted, Reading& reading,
                      Team& team) {
+  VOLUTE_TRY(checkWords(target, kGridWord));
   Extractor extractor(path, request, extracted, reading, team);
   VOLUTE_ASSIGN(const auto main, openVolute(path, request.partial, reading, false));
   InputOptions input;
@@ -592,8 +579,12 @@ Status extractVolute(const std::string& path, const std::string& target,
   const bool each = namesEachGrid(target);
   VOLUTE_ASSIGN(const auto positions, selectPositions(main->info(), request.frames));
   const VolumeInfo frames = framesAt(main->info(), positions);
-  for (std::size_t i = 0; team.leads() && i < (each ? names.size() : 1); ++i)
-    remarkOnReplaced(path, each ? nameOfGrid(target, names[i]) : target, frames, reading);
+  for (std::size_t i = 0; team.leads() && i < (each ? names.size() : 1); ++i) {
+    const std::string own = each ? nameOfGrid(target, names[i]) : target;
+    remarkOnReplaced(path, own, frames, reading);
+    remarkOnOtherFrames(own, frames, reading);
+  }
+  remarkOnRange(path, main->info(), request.frames, reading);
   const bool described = main->grids().size() != 1 || main->grids()[0].description.has_value() ||
                          !main->kept().grids.empty();
   // Only .vdb files take what is no volume.
@@ -632,12 +623,7 @@ Status extractVolute(const std::string& path, const std::string& target,
                          }));
   if (asCache && !each)
     return extractor.cache(names, target, main->info());
-  if (names.size() > 1 && !each) {
-    return fail(ErrorCode::kInvalidArgument, Hint::choose("field"),
-                "{} has {} grids ({}), and '{}' holds one: put {{grid}} into "
-                "the name, or write %04d.vdb files, which hold all",
-                path, names.size(), fmt::join(names, ", "), target);
-  }
+  VOLUTE_TRY(checkHoldsGrids(names, path, target));
   OutputNames outputs;
   for (const std::string& taken : request.taken) VOLUTE_TRY(outputs.add(taken, "another output"));
   for (const std::string& name : names) {
@@ -664,6 +650,7 @@ Status extractVolute(const std::string& path, const std::string& target,
 
 Status extractFds(const std::string& path, const std::string& target,
                   const ExtractionRequest& request, const Extracted& extracted, Reading& reading) {
+  VOLUTE_TRY(checkWords(target, kMeshWord));
   Team alone;
   Extractor extractor(path, request, extracted, reading, alone);
   if (!namesEachMesh(target))

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "volute/base/team.hpp"
@@ -35,6 +36,9 @@ using Extracted = std::function<Status(const Report&)>;
 /// {mesh}: then it is a pattern of several outputs.
 bool namesEachGrid(const std::string& target);
 bool namesEachMesh(const std::string& target);
+
+/// An error where a target's name has a {word} that nothing is filled in for: another than `known`.
+[[nodiscard]] Status checkWords(const std::string& target, std::string_view known = "{grid}");
 
 /// Such a name with that of a grid in place of {grid}.
 std::string nameOfGrid(std::string target, const std::string& grid);

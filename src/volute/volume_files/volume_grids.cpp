@@ -62,10 +62,13 @@ class VoluteGrids final : public VolumeGrids {
   }
 
   Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const override {
-    VoluteReader::Options options = options_;
-    options.grid = grids_[grid].name;
-    VOLUTE_ASSIGN(auto reader, VoluteReader::open(path_, options));
+    VOLUTE_ASSIGN(auto reader, open(grid));
     return frameSource(std::make_shared<const VoluteReader>(std::move(reader)));
+  }
+
+  Result<OwnError> ownError(std::size_t grid) const override {
+    VOLUTE_ASSIGN(const auto reader, open(grid));
+    return ownErrorOf(reader);
   }
 
   Result<std::unique_ptr<KeptBytes>> keep(std::size_t grid, int frame) const override {
@@ -77,6 +80,12 @@ class VoluteGrids final : public VolumeGrids {
   }
 
  private:
+  Result<VoluteReader> open(std::size_t grid) const {
+    VoluteReader::Options options = options_;
+    options.grid = grids_[grid].name;
+    return VoluteReader::open(path_, options);
+  }
+
   std::string path_;
   VoluteReader::Options options_;
   std::shared_ptr<const VoluteReader> reader_;

@@ -49,6 +49,12 @@ class VolumeGrids {
   /// The frames of a volume that is not empty.
   [[nodiscard]] virtual Result<std::unique_ptr<FrameSource>> source(std::size_t grid) const = 0;
 
+  /// Of a grid of a .volute; that of another file is its original.
+  [[nodiscard]] virtual Result<OwnError> ownError(std::size_t grid) const {
+    (void)grid;
+    return OwnError{};
+  }
+
   /// A grid of a frame as its bytes, good until the next call; null where the frame has none. Of a
   /// .volute only those that it keeps so.
   /// @param frame  its position

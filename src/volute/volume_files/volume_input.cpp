@@ -3,9 +3,13 @@
 #include "volute/volume_files/volume_input.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "volute/codec/kept_grids.hpp"
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/select_frames.hpp"
+#include "volute/grid/wrapped_source.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/io/written_frames.hpp"
@@ -57,6 +61,12 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
                                                        Reading& reading, bool verify,
                                                        const std::string& grid, bool differences) {
+  if (namesSeriesOfFiles(path)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: a pattern of .volute files; expected one, which holds all frames: parts of a "
+                "sequence are joined to one",
+                path);
+  }
   VoluteReader::Options options;
   options.partial = partial;
   options.maxMemory = reading.maxMemory;
@@ -207,6 +217,89 @@ Status alongAxesOnly(const VolumeInput& input, const std::string& path, std::str
               "{}: grid '{}' is turned, sheared or mirrored, or moves by parts of a voxel, and {}; "
               "expected voxels along the axes",
               path, input.source->info().name, what);
+}
+
+OwnError ownErrorOf(const VoluteReader& reader) {
+  const VoluteHeader& header = reader.header();
+  const double range = header.valueMax - header.valueMin;
+  return {header.reachedRms * (range > 0 ? range : 1), header.reachedMaxError};
+}
+
+void remarkOnOwnError(const std::string& path, const VoluteReader& reader, Reading& reading) {
+  const VoluteHeader& header = reader.header();
+  if (header.reachedMaxError == 0)
+    return;
+  reading.progress.remark(
+      Remark(RemarkCode::kNote,
+             fmt::format(
+                 "{}: is compressed itself: '{}' is a relative rms of {:.3g} (maximum {:.3g}) "
+                 "from what it was made of; the errors measured now are beside that, and the "
+                 "new file states their sums",
+                 path, reader.info().name, header.support ? header.support->rms : header.reachedRms,
+                 header.reachedMaxError))
+          .in(path));
+}
+
+bool hasUsualBounds(const VolumeInfo& info) {
+  VolumeInfo unsaid = info;
+  unsaid.bounds = {};
+  unsaid.fillDefaults();
+  return info.bounds.min == unsaid.bounds.min && info.bounds.max == unsaid.bounds.max;
+}
+
+void remarkOnRange(const std::string& path, const VolumeInfo& info, const FrameRange& range,
+                   Reading& reading) {
+  const double first = info.frameScale.frame(info.frameNumbers.front());
+  const double last = info.frameScale.frame(info.frameNumbers.back());
+  const double begin = range.begin.value_or(first);
+  const double end = range.end.value_or(begin);
+  const double lastAsked = begin + range.step * (std::ceil((end - begin) / range.step) - 1);
+  if (begin >= first && lastAsked <= last)
+    return;
+  reading.progress.remark(
+      Remark(RemarkCode::kDoubtful,
+             fmt::format("{}: frames {} are asked for; it has {} to {}", path, toString(range),
+                         info.frameText(0), info.frameText(info.frameNumbers.size() - 1)))
+          .in(path));
+}
+
+namespace {
+
+class ToldSource final : public WrappedSource {
+ public:
+  ToldSource(std::unique_ptr<FrameSource> source, std::string path, Progress& log, Hints hints)
+      : WrappedSource(std::move(source)),
+        path_(std::move(path)),
+        log_(log),
+        hints_(std::move(hints)) {}
+
+  Status readBricks(int index, int first, int end, Bricks& bricks) override {
+    VOLUTE_TRY(source_->readBricks(index, first, end, bricks));
+    if (bricks.leftOut() > 0 && !std::exchange(told_, true)) {
+      log_.remark(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: '{}', frame {}: what inactive voxels hold is not kept where they "
+                             "lie beyond all active ones or are no numbers ({} of them)",
+                             path_, info().name, info().frameText(static_cast<std::size_t>(index)),
+                             bricks.leftOut()),
+                 hints_)
+              .in(path_));
+    }
+    return {};
+  }
+
+ private:
+  std::string path_;
+  Progress& log_;
+  Hints hints_;
+  bool told_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameSource> tellingLosses(std::unique_ptr<FrameSource> source, std::string path,
+                                           Progress& log, Hints hints) {
+  return std::make_unique<ToldSource>(std::move(source), std::move(path), log, std::move(hints));
 }
 
 void remarkOnFiles(const std::string& path, Reading& reading) {

@@ -72,6 +72,27 @@ bool isVolutePath(const std::string& path);
 /// By the name's end: .npy or .npz, which state no bounds.
 bool isNumpyPath(const std::string& path);
 
+/// How far the values of a .volute are from what it was made of, absolute, in all frames together.
+struct OwnError {
+  double rms = 0, maximum = 0;
+};
+
+OwnError ownErrorOf(const VoluteReader& reader);
+
+/// Says that an error that is stated for what is made of a .volute holds the .volute's own.
+void remarkOnOwnError(const std::string& path, const VoluteReader& reader, Reading& reading);
+
+/// Whether its bounds are those that are taken where nobody states any.
+bool hasUsualBounds(const VolumeInfo& info);
+
+/// Remarks on frames that are asked for and not there.
+void remarkOnRange(const std::string& path, const VolumeInfo& info, const FrameRange& range,
+                   Reading& reading);
+
+/// The same frames; tells once what one of them lost when it was read.
+std::unique_ptr<FrameSource> tellingLosses(std::unique_ptr<FrameSource> source, std::string path,
+                                           Progress& log, Hints hints = {});
+
 /// Remarks on files beside the sequence that look like a part of it and are not.
 void remarkOnFiles(const std::string& path, Reading& reading);
 

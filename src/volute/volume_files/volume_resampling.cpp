@@ -7,7 +7,9 @@
 #include <map>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <set>
 
+#include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_grids.hpp"
 #include "volute/volume_files/volume_writer.hpp"
 
@@ -21,6 +23,7 @@ struct OldGrid {
   VectorKind vectors;
   std::optional<GridDescription> description;
   std::vector<int> positions;  ///< of its frames in the input
+  OwnError ownError{};         ///< of a .volute
 };
 
 /// The lattice of the first frame of a volume.
@@ -176,6 +179,13 @@ class CutLog {
       frames_[frame] = cut;
   }
 
+  /// Whether there was something, and nothing of it was left.
+  bool all() const {
+    return !frames_.empty() && std::ranges::all_of(frames_, [](const auto& frame) {
+      return frame.second.outside == frame.second.all;
+    });
+  }
+
   /// "in 5 of 6 frames, most in 1006: 11513 of 11513 voxels"; empty where nothing was.
   std::string text() const {
     const auto lost = [](const VoxelsCut& cut) {
@@ -211,6 +221,7 @@ class Resampler {
   Result<OldGrid> open(const std::string& name, const VolumeGrid* grid);
   Status add(OldGrid old);
   Status addAll();
+  void tellLosses();
 
   const std::string& path_;
   const std::string& target_;
@@ -223,13 +234,13 @@ class Resampler {
       cuts_;  // of each grid, with its name
   std::vector<WrittenGrid> written_;
   FrameMetadata fileMetadata_;
+  std::set<std::string> told_;  // once for all grids
 };
 
 Result<OldGrid> Resampler::open(const std::string& name, const VolumeGrid* grid) {
   InputOptions input;
   input.grid = name;
   input.verify = grid == nullptr;
-  input.stated = request_.stated;
   input.notFinite = NotFinite::kRefuse;
   // What is sampled from a frustum needs no resampling any more where its lattice is known.
   FrustumSampling frusta{{}, request_.basis};
@@ -244,8 +255,25 @@ Result<OldGrid> Resampler::open(const std::string& name, const VolumeGrid* grid)
   }
   input.frusta = frusta;
   VOLUTE_ASSIGN(auto volume, openVolume(path_, input, reading_));
+  const VolumeInfo& info = volume.source->info();
+  const auto once = [&](std::string_view what) { return told_.emplace(what).second; };
+  if (info.frames > 1 && request_.stated.framesPerSecond && !info.timesAssumed && once("rate")) {
+    reading_.progress.remark(
+        Remark(RemarkCode::kNote,
+               fmt::format("{}: states times, {:.4g} to {:.4g} s; the rate that is given counts",
+                           path_, info.times.front(), info.times.back()))
+            .in(path_));
+  }
+  if (once("frames"))
+    remarkOnRange(path_, info, request_.frames, reading_);
+  volume.source =
+      tellingLosses(asStated(std::move(volume.source), request_.stated), path_, reading_.progress);
   OldGrid old{nullptr, {}, volume.vectors, {}, {}};
   VOLUTE_ASSIGN(old.positions, selectPositions(volume.source->info(), request_.frames));
+  if (volume.reader && isVolutePath(target_)) {
+    old.ownError = ownErrorOf(*volume.reader);
+    remarkOnOwnError(path_, *volume.reader, reading_);
+  }
   for (const int position : old.positions) {
     if (!volume.places.empty())
       old.places.push_back(volume.places[static_cast<std::size_t>(position)]);
@@ -265,10 +293,18 @@ Status Resampler::add(OldGrid old) {
                    "expected .vdb or .volute",
                    target_);
   }
-  WrittenGrid written{nullptr, request_.rms, describe(old, lattice)};
+  WrittenGrid written{nullptr, request_.rms, describe(old, lattice), old.ownError};
+  // At worst all of it lies within the new voxels.
+  const double share =
+      static_cast<double>(old.source->info().voxels()) *
+      std::abs(linearOf(indexToWorld(old.source->info(), old.places, 0)).determinant()) /
+      (static_cast<double>(lattice.box.size(0) * lattice.box.size(1) * lattice.box.size(2)) *
+       std::abs(linearOf(lattice.indexToWorld).determinant()));
+  written.ownError.rms =
+      std::min(written.ownError.rms * std::sqrt(std::max(share, 1.0)), written.ownError.maximum);
   auto turns = turnsOf(old, lattice);
   std::function<void(int, const VoxelsCut&)> onCut;
-  if (stated_) {  // who states a box cuts on purpose
+  if (stated_ || request_.bounds) {
     const auto& [name, log] =
         cuts_.emplace_back(old.source->info().name, std::make_shared<CutLog>());
     onCut = [log, info = old.source->info()](int frame, const VoxelsCut& cut) {
@@ -318,7 +354,6 @@ Status Resampler::addAll() {
     return add(std::move(old));
   }
   InputOptions input;
-  input.stated = request_.stated;
   VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path_, input, reading_));
   VOLUTE_ASSIGN(const auto chosen, grids->choose(request_.fields, path_));
   std::vector<int> positions;
@@ -348,6 +383,24 @@ Status Resampler::addAll() {
   return {};
 }
 
+/// Of the values' meaning: what the target has no place for.
+void Resampler::tellLosses() {
+  const auto says = [](const FrameMetadata& of) {
+    return std::ranges::any_of(of.lists, [](const auto& list) { return !list.empty(); });
+  };
+  std::set<std::string> targets;
+  for (const WrittenGrid& grid : written_) {
+    VolumeInfo info = grid.frames->info();
+    info.levelSet = info.levelSet || grid.description->gridClass == "level set";
+    const std::string own = nameOfGrid(target_, info.name);
+    if (!targets.insert(own).second)
+      continue;
+    remarkOnWhatIsLost(info, {.metadata = says(fileMetadata_) || says(grid.description->metadata)},
+                       own, reading_);
+    remarkOnOtherFrames(own, info, reading_);
+  }
+}
+
 Result<Report> Resampler::run() {
   if (!request_.like.empty()) {
     VOLUTE_ASSIGN(const auto other, openVolume(request_.like, {}, reading_));
@@ -356,6 +409,10 @@ Result<Report> Resampler::run() {
   VOLUTE_TRY(addAll());
   if (written_.empty())
     return fail(ErrorCode::kUnsupported, "{}: none of its grids holds a volume", path_);
+  std::vector<std::string> names;
+  for (const WrittenGrid& grid : written_) names.push_back(grid.frames->info().name);
+  VOLUTE_TRY(checkHoldsGrids(names, path_, target_));
+  tellLosses();
   const int frames = written_[0].frames->info().frames;
   auto list = nlohmann::ordered_json::array();
   std::string text;
@@ -380,7 +437,8 @@ Result<Report> Resampler::run() {
   for (const auto& [name, log] : cuts_) {
     if (const std::string cut = log->text(); !cut.empty())
       reading_.progress.remark(
-          Remark(RemarkCode::kLeftOut,
+          // Who states a box cuts on purpose; who leaves nothing does not.
+          Remark(request_.bounds && !log->all() ? RemarkCode::kNote : RemarkCode::kLeftOut,
                  fmt::format("{}: '{}': what lies outside of the new voxels is left out {}", path_,
                              name, cut))
               .in(path_));

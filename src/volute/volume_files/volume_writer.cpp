@@ -2,9 +2,18 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/volume_files/volume_writer.hpp"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ranges>
+
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 #include "volute/grid/rounding_source.hpp"
+#include "volute/io/array_file.hpp"
+#include "volute/io/frame_pattern.hpp"
+#include "volute/io/lattice.hpp"
 #include "volute/volume_files/grid_compression.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 
@@ -61,6 +70,8 @@ class WrittenGrids final : public VolumeGrids {
     return std::make_unique<BorrowedSource>(*written_[grid].frames, descriptions_[grid]);
   }
 
+  Result<OwnError> ownError(std::size_t grid) const override { return written_[grid].ownError; }
+
  private:
   std::span<const WrittenGrid> written_;
   std::vector<GridDescription*> descriptions_;  // those of grids_
@@ -78,12 +89,103 @@ bool holdsSeveralGrids(const std::string& target) {
   return isVolutePath(target) || namesEachGrid(target) || isVdbPath(target);
 }
 
+Status checkHoldsGrids(const std::vector<std::string>& names, const std::string& path,
+                       const std::string& target) {
+  if (names.size() < 2 || holdsSeveralGrids(target))
+    return {};
+  return fail(ErrorCode::kInvalidArgument, Hint::choose("field"),
+              "{} has {} grids ({}), and '{}' holds one: put {{grid}} into "
+              "the name, or write %04d.vdb files, which hold all",
+              path, names.size(), fmt::join(names, ", "), target);
+}
+
+bool statesTimes(const std::string& target) {
+  const std::string extension = extensionOf(target);
+  return target != "-" && extension != ".npy" && extension != ".nvdb";
+}
+
+void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const std::string& target,
+                        Reading& reading) {
+  const std::string extension = extensionOf(target);
+  const bool array = target == "-" || extension == ".npy";  // nothing but values
+  const bool vdb = extension == ".vdb", nano = extension == ".nvdb";
+  const bool unit =
+      !array && (vdb ? info.unit.size() <= LatticeFrame::kMaxUnit : isArrayOutput(target));
+  VolumeInfo unsaid = info;  // what is taken where a file says nothing
+  unsaid.times.clear();
+  unsaid.fillDefaults();
+  if (isVolutePath(target))
+    return;
+  std::vector<std::string> lost;
+  if (info.up != 0 && !vdb)
+    lost.push_back(fmt::format("that {} points upwards", info.up));
+  if (array && info.name != "density" && target.find(info.name) == target.npos)
+    lost.push_back(fmt::format("that the values are '{}'", info.name));
+  if (!info.unit.empty() && !unit)
+    lost.push_back(fmt::format("that the values are in {}", info.unit));
+  if (info.levelSet && !vdb && !nano)
+    lost.emplace_back("that the values are distances to a surface");
+  if (array && besides.turned)
+    lost.emplace_back("how the voxels are turned, or move");
+  else if (array && !hasUsualBounds(info))
+    lost.push_back(fmt::format("where the voxels lie ({})", boxText(info.bounds)));
+  const bool oneFile = !namesSeries(target) && extension != ".pvd";
+  const bool counted = std::ranges::equal(info.frameNumbers, std::views::iota(0, info.frames)) &&
+                       info.frameScale.decimals == 0;
+  if (oneFile && !counted && info.frames > 1)
+    lost.push_back(fmt::format("that its frames are {} to {}", info.frameText(0),
+                               info.frameText(static_cast<std::size_t>(info.frames) - 1)));
+  const bool paced = !std::ranges::equal(info.times, unsaid.times, [&](double time, double usual) {
+    return std::abs(time - info.times.front() - usual) < 1e-9;
+  });
+  if (!statesTimes(target) && info.frames > 1 && !info.timesAssumed && paced)
+    lost.push_back(fmt::format("when the frames are shown ({:.4g} to {:.4g} s)", info.times.front(),
+                               info.times.back()));
+  if (nano && besides.metadata)
+    lost.emplace_back("the metadata of its grids");
+  if (!lost.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kLeftOut,
+               fmt::format("{}: such a file does not say {}", target, fmt::join(lost, ", or ")))
+            .in(target));
+}
+
+void remarkOnOtherFrames(const std::string& target, const VolumeInfo& info, Reading& reading) {
+  constexpr std::size_t kNamed = 3;
+  if (!namesSeries(target))
+    return;
+  const auto pattern = FramePattern::parse(target);
+  const auto there = pattern ? pattern->list(SubFrames::kAllowed)
+                             : Result<std::vector<NumberedFile>>(std::vector<NumberedFile>());
+  std::vector<std::string> others;
+  for (std::size_t i = 0; there && i < there->size(); ++i) {
+    const NumberedFile& file = (*there)[i];
+    const bool written = std::ranges::any_of(info.frameNumbers, [&](int number) {
+      return info.frameScale.frame(number) == file.frame();
+    });
+    if (!written)
+      others.push_back(file.path.filename().string());
+  }
+  if (others.empty())
+    return;
+  const std::size_t more = others.size() - std::min(others.size(), kNamed);
+  others.resize(others.size() - more);
+  reading.progress.remark(
+      Remark(RemarkCode::kNote,
+             fmt::format("{}: {}{} stay from before and are read as frames of the same sequence",
+                         target, fmt::join(others, ", "),
+                         more > 0 ? fmt::format(" and {} more", more) : ""))
+          .in(target));
+}
+
 Status VolumeWriter::writeVolute(Report& report) {
   CompressOptions options;
   options.target = {ErrorTarget::Kind::kRms, grids_[0].rms};
   options.provenance = provenance_;
   options.maxMemory = reading_->maxMemory;
   if (grids_.size() == 1 && !grids_[0].description) {
+    options.sourceRms = grids_[0].ownError.rms;
+    options.sourceMaxError = grids_[0].ownError.maximum;
     VOLUTE_ASSIGN(const auto written,
                   compress(*grids_[0].frames, target_, options, reading_->progress, *team_));
     report.add("bytes", written.fileBytes, bytesText(written.fileBytes))
@@ -125,6 +227,10 @@ Result<VolumeWriter> VolumeWriter::open(std::vector<WrittenGrid> grids, std::str
                                         FrameMetadata fileMetadata) {
   VolumeWriter writer(std::move(grids), std::move(target), std::move(provenance), reading, team);
   writer.fileMetadata_ = std::move(fileMetadata);
+  VOLUTE_TRY(checkWords(writer.target_));
+  std::vector<std::string> names;
+  for (const WrittenGrid& grid : writer.grids_) names.push_back(grid.frames->info().name);
+  VOLUTE_TRY(checkHoldsGrids(names, "what is written", writer.target_));
   const bool each = namesEachGrid(writer.target_) && !isVolutePath(writer.target_);
   // .vdb files hold all grids, and what is to be said of them.
   const bool cache = !each && (writer.grids_.size() > 1 ||

@@ -13,6 +13,7 @@
 #include "volute/io/reading.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/report/report.hpp"
+#include "volute/volume_files/volume_input.hpp"
 
 namespace volute {
 
@@ -22,6 +23,7 @@ struct WrittenGrid {
   double rms = 1e-3;  ///< relative RMS error that it may have in a .volute
   /// What .vdb and .volute files say of it beside its values; of its frames and first voxel.
   std::optional<GridDescription> description{};
+  OwnError ownError{};  ///< that the frames have; a .volute states the sums
 };
 
 /// Adds "frames" and "size", in voxels.
@@ -29,6 +31,26 @@ void addSize(Report& report, const VolumeInfo& info);
 
 /// Whether a target holds several grids: a .volute, .vdb files, or names with {grid} in them.
 bool holdsSeveralGrids(const std::string& target);
+
+/// An error where that is not so.
+[[nodiscard]] Status checkHoldsGrids(const std::vector<std::string>& names, const std::string& path,
+                                     const std::string& target);
+
+/// Whether files of a target's kind say when their frames are shown.
+bool statesTimes(const std::string& target);
+
+/// What a volume has besides its values and its VolumeInfo.
+struct Besides {
+  bool turned = false;    ///< its voxels do not lie along the axes, or move
+  bool metadata = false;  ///< of a cache
+};
+
+/// Tells what a volume says that files of the target's kind have no place for.
+void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const std::string& target,
+                        Reading& reading);
+
+/// Tells which files have names of a pattern's frames, and are none of those that are written.
+void remarkOnOtherFrames(const std::string& target, const VolumeInfo& info, Reading& reading);
 
 /// Writes frames that are computed to a file of any format: a .volute, or what createSink() takes.
 /// Several grids go into one file, or each into its own where the name has {grid} in it.

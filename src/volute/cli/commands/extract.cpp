@@ -11,6 +11,7 @@
 #include "volute/io/volume_source.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_input.hpp"
+#include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::cli {
 namespace {
@@ -32,6 +33,10 @@ Status runExtract(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(refuseIdle(arguments, {readKind(path)}));
   VOLUTE_TRY(checkExtraction(path, target, context));
+  if (arguments.given("fps") && !statesTimes(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--fps: '{}' does not say when its frames are shown; leave it out", target);
+  }
   const auto stats = arguments.find<std::string>("stats");
   const ExtractionRequest request{
       .fields = arguments.find<std::string>("field").value_or(""),
@@ -90,7 +95,8 @@ Command extractCommand() {
           "space and 2^L frames in time, and averages cubes of 2^L voxels. It is a preview: means "
           "are accurate to some percent. Level 4 is the mean of each block, over all of its "
           "frames, "
-          "and reads nothing but the index. Cubes that reach beyond the region count zeros there, "
+          "and reads nothing but the index. Cubes that reach beyond the region count the "
+          "background there, "
           "and the bounds grow with "
           "them.\n\nA .npy is float32 of shape (t,z,y,x) or (t,z,y,x,c), also for a single frame. "
           "With several grids, each .vdb file holds all of them, with the names, types, classes, "

@@ -6,6 +6,7 @@
 #include "volute/cli/values.hpp"
 #include "volute/cli/volume_output.hpp"
 #include "volute/volume_files/volume_resampling.hpp"
+#include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::cli {
 namespace {
@@ -51,6 +52,14 @@ Status runResample(const Arguments& arguments, Context& context) {
   }
   if (const auto text = arguments.find<std::string>("matrix")) {
     VOLUTE_ASSIGN(request.matrix, ofOption("matrix", matrixOf(*text)));
+  }
+  if (arguments.given("rms") && !isVolutePath(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--rms: is the error of a .volute, and '{}' is none; leave it out", target);
+  }
+  if (request.stated.framesPerSecond && !statesTimes(target)) {
+    return fail(ErrorCode::kInvalidArgument,
+                "--fps: '{}' does not say when its frames are shown; leave it out", target);
   }
   if (!request.like.empty() && request.bounds) {
     return fail(ErrorCode::kInvalidArgument,
@@ -124,7 +133,7 @@ Command resampleCommand() {
                            "goes from centre to centre, cubic smooths by B-splines",
                    .initial = "trilinear",
                    .choices = {"box", "trilinear", "cubic"}},
-                  rateOption("frames per second where the input states none"),
+                  filesRateOption(),
                   rmsOption("relative RMS error of a .volute", "0.001")},
       .oneOf = {{{"voxel-size", "matrix", "like"}}},
       .run = runResample};
