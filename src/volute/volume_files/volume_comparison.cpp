@@ -6,7 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
+#include "volute/grid/resample.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/volume_files/volume_grids.hpp"
 
@@ -67,6 +69,15 @@ Image sideBySide(const std::vector<Image>& images) {
   return all;
 }
 
+/// What a source has where nothing is stored.
+Result<std::array<double, 3>> outsideOf(FrameSource& source) {
+  Bricks bricks;
+  VOLUTE_TRY(source.readBricks(0, 0, 1, bricks));
+  std::array<double, 3> outside{};
+  for (std::size_t c = 0; c < 3; ++c) outside[c] = offsetOf(source) + bricks.background()[c];
+  return outside;
+}
+
 /// Both over all that one of them takes, where they are on one lattice of voxels.
 void align(std::unique_ptr<FrameSource>& a, const std::array<double, 3>& outsideA,
            std::unique_ptr<FrameSource>& b, const std::array<double, 3>& outsideB) {
@@ -118,6 +129,52 @@ void remarkOnPlaces(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) 
                    a.name, boxText(a.bounds), boxText(b.bounds))});
 }
 
+/// The same numbers in other units are not the same, nor are values that stand on another axis.
+void remarkOnMeaning(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
+  if (a.unit != b.unit) {
+    const bool both = !a.unit.empty() && !b.unit.empty();
+    const auto text = [](const std::string& unit) {
+      return unit.empty() ? std::string("states no unit") : "is in " + unit;
+    };
+    reading.progress.remark({both ? RemarkCode::kDoubtful : RemarkCode::kNote,
+                             fmt::format("'{}': one {} and the other {}: numbers are compared as "
+                                         "they are",
+                                         a.name, text(a.unit), text(b.unit))});
+  }
+  if (a.up != b.up) {
+    const auto text = [](char up) {
+      return up == 0 ? std::string("does not say which axis points upwards")
+                     : fmt::format("says that {} points upwards", up);
+    };
+    reading.progress.remark({a.up != 0 && b.up != 0 ? RemarkCode::kDoubtful : RemarkCode::kNote,
+                             fmt::format("'{}': one {} and the other {}: axes are compared as they "
+                                         "are",
+                                         a.name, text(a.up), text(b.up))});
+  }
+}
+
+/// Frames are compared in their order, whatever their numbers.
+void remarkOnNumbers(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
+  if (a.frames != b.frames)
+    return;  // an error
+  std::optional<std::size_t> first;
+  bool alike = true;  // but for where they begin
+  const auto number = [](const VolumeInfo& info, std::size_t i) {
+    return info.frameScale.frame(info.frameNumbers[i]);
+  };
+  for (std::size_t i = 0; i < a.frameNumbers.size(); ++i) {
+    if (!first && number(a, i) != number(b, i))
+      first = i;
+    alike = alike && number(a, i) - number(a, 0) == number(b, i) - number(b, 0);
+  }
+  if (first)
+    reading.progress.remark({alike ? RemarkCode::kNote : RemarkCode::kDoubtful,
+                             fmt::format("'{}': frames are compared in their order: frame {} with "
+                                         "frame {}{}",
+                                         a.name, a.frameText(*first), b.frameText(*first),
+                                         *first + 1 < a.frameNumbers.size() ? " and so on" : "")});
+}
+
 /// The chosen frames of both.
 /// @param placed  both state where they lie
 Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
@@ -129,6 +186,8 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   VOLUTE_ASSIGN(a, selectFrames(std::move(a), request.frames));
   VOLUTE_ASSIGN(b, selectFrames(std::move(b), request.frames));
   remarkOnTimes(a->info(), b->info(), reading);
+  remarkOnNumbers(a->info(), b->info(), reading);
+  remarkOnMeaning(a->info(), b->info(), reading);
   GridComparison grid{a->info().name};
   grid.overAll = request.overAll;
   VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
@@ -150,16 +209,39 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   return grid;
 }
 
-/// Both must lie in the world alike.
-Status checkPlaces(const std::vector<GridMatrix>& one, const std::string& a,
-                   const std::vector<GridMatrix>& other, const std::string& b,
-                   const VolumeInfo& info) {
-  if (samePlaces(one, other, info.bounds, info.voxelSize().minCoeff()))
-    return {};
+/// How a volume lies in the world.
+struct Placed {
+  const VolumeInfo& info;                 ///< of all frames
+  const std::vector<GridMatrix>& places;  ///< as PlacedFrames has them
+  const std::string& path;
+};
+
+/// Both must lie in the world alike in the frames that are compared.
+/// @return whether their bounds are in one space, too: then one may take more of it than the other
+Result<bool> checkPlaces(const Placed& a, const Placed& b, const FrameRange& range) {
+  if (a.places.empty() && b.places.empty())
+    return true;
+  std::array<std::vector<GridMatrix>, 2> spaces, indices;
+  for (const std::size_t side : {0, 1}) {
+    const Placed& one = side == 0 ? a : b;
+    VOLUTE_ASSIGN(const auto positions, selectPositions(one.info, range));
+    for (const int position : positions) {
+      const auto frame = static_cast<std::size_t>(position);
+      if (!one.places.empty())
+        spaces[side].push_back(one.places[frame]);
+      indices[side].push_back(indexToWorld(one.info, one.places, frame));
+    }
+  }
+  const double voxel = a.info.voxelSize().minCoeff();
+  if (samePlaces(spaces[0], spaces[1], a.info.bounds, voxel))
+    return true;
+  const Box3 all{Vec3::Zero(), Vec3(a.info.x, a.info.y, a.info.z)};
+  if (samePlaces(indices[0], indices[1], all, voxel))
+    return false;
   return fail(ErrorCode::kInvalidData,
               "{} and {} turn '{}' otherwise, or lay it elsewhere, so that no voxel of one is one "
               "of the other",
-              a, b, info.name);
+              a.path, b.path, a.info.name);
 }
 
 /// Those of one name.
@@ -183,13 +265,16 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
   const auto places = [](const VolumeGrid& of) {
     return of.description ? of.description->places() : std::vector<GridMatrix>();
   };
-  VOLUTE_TRY(checkPlaces(places(grid), a, places(other), b, sourceA->info()));
+  const auto placesA = places(grid), placesB = places(other);
+  VOLUTE_ASSIGN(const bool oneSpace, checkPlaces({sourceA->info(), placesA, a},
+                                                 {sourceB->info(), placesB, b}, request.frames));
   const auto outside = [](const VolumeGrid& of) {
     return of.description ? of.description->background : std::array<double, 3>{};
   };
-  align(sourceA, outside(grid), sourceB, outside(other));
+  if (oneSpace)
+    align(sourceA, outside(grid), sourceB, outside(other));
   auto compared =
-      compareSources(std::move(sourceA), std::move(sourceB), true, request, reading, errors);
+      compareSources(std::move(sourceA), std::move(sourceB), oneSpace, request, reading, errors);
   if (!compared)
     return fail(compared.error().code, compared.error().hints, "grid '{}': {}", grid.name,
                 compared.error().message);
@@ -247,6 +332,8 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
     VOLUTE_ASSIGN(auto one, compareGrid(first, i, a, second, b, request, reading, errors));
     all.grids.push_back(std::move(one));
   }
+  remarkOnRange(a, first.frames(), request.frames, reading);
+  remarkOnRange(b, second.frames(), request.frames, reading);
   std::array<std::vector<int>, 2> positions;
   VOLUTE_ASSIGN(positions[0], selectPositions(first.frames(), request.frames));
   VOLUTE_ASSIGN(positions[1], selectPositions(second.frames(), request.frames));
@@ -355,21 +442,30 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
   const VolumeInfo& infoA = first.source->info();
   const VolumeInfo& infoB = second.source->info();
-  if (!isNumpyPath(a) && !isNumpyPath(b))
-    VOLUTE_TRY(checkPlaces(first.places, a, second.places, b, infoA));
-  const bool placed = !isNumpyPath(a) && !isNumpyPath(b) && !options.bounds;
-  const auto statesPlace = [](const std::string& path) {
+  bool placed = !isNumpyPath(a) && !isNumpyPath(b);
+  if (placed) {
+    VOLUTE_ASSIGN(placed,
+                  checkPlaces({infoA, first.places, a}, {infoB, second.places, b}, request.frames));
+  }
+  remarkOnRange(a, infoA, request.frames, reading);
+  remarkOnRange(b, infoB, request.frames, reading);
+  placed = placed && !options.bounds;
+  // Of arrays of netCDF some state coordinates; the bounds of others are those that none state.
+  const auto statesPlace = [](const std::string& path, const VolumeInfo& info) {
     const std::string extension = extensionOf(path);
     return isVolutePath(path) || VolumeGrids::mayBe(path) || extension == ".vti" ||
-           extension == ".pvd";
+           extension == ".pvd" || !hasUsualBounds(info);
   };
-  if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z))
-    align(first.source, {}, second.source, {});
+  const bool bothPlaced = placed && statesPlace(a, infoA) && statesPlace(b, infoB);
+  if (placed && (infoA.x != infoB.x || infoA.y != infoB.y || infoA.z != infoB.z)) {
+    VOLUTE_ASSIGN(const auto outsideA, outsideOf(*first.source));
+    VOLUTE_ASSIGN(const auto outsideB, outsideOf(*second.source));
+    align(first.source, outsideA, second.source, outsideB);
+  }
   VolumeComparison comparison;
   std::vector<Image> errors;
   VOLUTE_ASSIGN(auto one, compareSources(std::move(first.source), std::move(second.source),
-                                         placed && statesPlace(a) && statesPlace(b), request,
-                                         reading, errors));
+                                         bothPlaced, request, reading, errors));
   comparison.grids.push_back(std::move(one));
   if (!errors.empty())
     comparison.errors = std::move(errors[0]);
