@@ -100,9 +100,8 @@ Status checkFiles(const std::vector<NumberedFile>& files) {
     const auto kind = std::filesystem::status(file.path, error).type();
     if (kind == std::filesystem::file_type::regular)
       continue;
-    const bool link = std::filesystem::is_symlink(file.path, error);
-    return fail(link ? ErrorCode::kNotFound : ErrorCode::kInvalidArgument,
-                "{}: has the name of a frame and is {}; expected a file", file.path.string(),
+    return fail(ErrorCode::kInvalidData, "{}: has the name of a frame and is {}; expected a file",
+                file.path.string(),
                 kind == std::filesystem::file_type::directory   ? "a folder"
                 : kind == std::filesystem::file_type::not_found ? "a link to what is not there"
                                                                 : "no file that can be read");
