@@ -103,13 +103,13 @@ class EveryType(support.TestCase):
             self.assertEqual("late" in text, frame == 2)
         compared = self.works("compare", folder, self.path("x.volute"), "--json").json
         self.assertTrue(all(one["identical"] for one in compared["kept"]), compared["kept"])
-        # Again, and joined from parts.
+        # Again, and joined from parts: these state the errors of both steps, and what is encoded again gets as much.
         self.works("compress", self.path("x.volute"), "-o", self.path("a.volute"), "--frames", "1:2", "--max-error", "1e-3")
         self.works("compress", self.path("x.volute"), "-o", self.path("b.volute"), "--frames", "2:4", "--max-error", "1e-3")
         self.works("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("c.volute"))
         self.works("extract", self.path("c.volute"), "-o", self.path("joined_%04d.vdb"))
         for frame in (1, 2, 3):
-            self.same(folder / f"all_000{frame}.vdb", self.path(f"joined_000{frame}.vdb"), 4e-3)
+            self.same(folder / f"all_000{frame}.vdb", self.path(f"joined_000{frame}.vdb"), 6e-3)
 
     def test_a_level_set_is_drawn_by_both_renderers(self):
         if volute("info", "--gl").code != 0:
@@ -273,6 +273,29 @@ class Extremes(support.TestCase):
         self.assertIn("grid 'density', frame 2: its background is 0.5, but 0 in the frames before", text)
         self.assertFalse(self.path("x.volute").exists())
 
+    def test_what_lies_beyond_is_the_background(self):
+        """8^3 voxels of 1 to 1.006, around which there is 0.5: means of a level, and what a smaller file is compared with."""
+        file, packed = self.made / "background_0002.vdb", self.path("x.volute")
+        self.works("compress", file, "-o", packed, "--quality", "measure")
+        part, level = self.path("part.vdb"), self.path("level.npy")
+        self.works("extract", packed, "-o", part, "--region", "0:3,0:8,0:8")
+        said = self.works("compare", file, part, "--json")
+        self.assertAlmostEqual(said.json["max_error"], 0.506, delta=1e-3)
+        self.assertNotIn("background", said.message)
+        self.works("extract", packed, "-o", level, "--region", "0:3,0:8,0:8", "--level", "1")
+        values = read_npy(level.read_bytes())[1]
+        self.assertAlmostEqual(min(values), 0.75, delta=0.02)
+        self.assertAlmostEqual(max(values), 1, delta=0.02)
+
+    def test_bounds_that_cut_are_told(self):
+        file, packed = self.made / "background_0001.vdb", self.path("x.volute")  # of 2 m
+        for verb, target in (("compress", packed), ("resample", self.path("r.vdb"))):
+            cut = (verb, file, "-o", target, "--bounds=-0.125,-0.125,-0.125,0.875,0.875,0.875", "--strict")
+            self.assertIn("cut to the bounds" if verb == "compress" else "left out in 1 of 1 frames", self.works(*cut).message)
+        self.assertIn("nothing of it lies within the bounds",
+                      self.fails(1, "compress", file, "-o", packed, "--bounds=4.875,4.875,4.875,5.875,5.875,5.875", "--strict"))
+        self.assertIn("left out", self.fails(1, "resample", file, "-o", self.path("r.vdb"), "--bounds=5,5,5,6,6,6", "--strict"))
+
     def test_frames_of_different_kinds(self):
         packed = self.path("x.volute")
         self.works("compress", self.made / "kinds_%04d.vdb", "-o", packed, "--max-error", "1e-4", "--fps", "24")
@@ -293,7 +316,10 @@ class Extremes(support.TestCase):
         self.works("compress", self.made / "background_0001.vdb", "-o", self.path("y.volute"), "--strict")
         self.works("extract", packed, "-o", self.path("x_%04d.vdb"))
         self.assertEqual(self.works("compare", file, self.path("x_0000.vdb"), "--json").json["outside_error"], 0)
+        self.assertIn("what inactive voxels hold is not kept", self.works("resample", file, "-o", self.path("r.vdb")).message)
         # A background that is no number counts as 0.
+        self.assertIn("the background of 'density' is nan and is taken as 0",
+                      self.fails(1, "compress", self.made / "unset.vdb", "-o", packed, "--strict"))
         self.works("compress", self.made / "unset.vdb", "-o", packed)
         self.works("render", packed, "-o", self.path("x.png"), "--size", "16x16")
 
@@ -420,6 +446,20 @@ class Places(support.TestCase):
         for verb in (("compress", "-o", self.path("x.volute")), ("render", "-o", self.path("x.png"))):
             text = self.fails(1, verb[0], self.blocks / "flat.vdb", *verb[1:])
             self.assertIn("flat.vdb, grid 'density': the grid's matrix is not finite, or makes it flat", text)
+        # An axis that is stated is that of what is extracted, whoever wrote the original.
+        self.works("compress", self.blocks / "upright_0001.vdb", "-o", self.path("up.volute"), "--up", "z")
+        self.works("extract", self.path("up.volute"), "-o", self.path("up.vdb"), "--strict")
+        self.assertEqual(self.works("info", self.path("up.vdb"), "--json").json["up"], "z")
+        self.assertIn("does not say that y points upwards",
+                      self.works("resample", self.blocks / "upright_0001.vdb", "-o", self.path("up.npy")).message)
+        moving = str(self.blocks / "moving_%04d.vdb")
+        self.works("compress", moving, "-o", self.path("m.volute"), "--fps", "24")
+        self.works("extract", self.path("m.volute"), "-o", self.path("m_%04d.vdb"), "--frames", "2:4")
+        for frames in ("2:4", "2:3"):
+            said = self.works("compare", self.path("m_%04d.vdb"), moving, "--frames", frames, "--json")
+            self.assertLess(said.json["max_error"], 1e-2)
+            self.assertNotIn("elsewhere", said.message)
+        self.assertIn("lay it elsewhere", self.fails(1, "compare", self.blocks / "moving_0001.vdb", moving, "--frames", "1:3"))
         upright = self.blocks / "upright_%04d.vdb"
         said = self.works("info", upright, "--fps", "24", "--json")
         self.assertIn("expected one up axis in all frames", said.message)
@@ -550,7 +590,7 @@ class Resampled(Places):
             if one["name"] in ("temperature", "velocity", "solid") and not one["empty"]:
                 self.assertLessEqual(one["max_error"], 0 if one["name"] == "temperature" else 1e-2, one)
         self.works("compress", self.path("n_%04d.nvdb"), "-o", self.path("n.volute"), "--fps", "50")
-        self.assertIn(".nvdb files state no times", self.works("extract", self.path("n.volute"), "-o", self.path("f_%04d.nvdb")).message)
+        self.assertIn("does not say when the frames are shown", self.works("extract", self.path("n.volute"), "-o", self.path("f_%04d.nvdb")).message)
         self.works("render", self.path("n_0101.nvdb"), "-o", self.path("n.png"), "--size", "32x32")
         data = bytearray(self.path("n_0101.nvdb").read_bytes())
         # Compressed by zlib, as NanoVDB's own tools write it.
@@ -791,10 +831,24 @@ class Grids(support.TestCase):
         self.assertTrue(any("less than half of the 10000000 that" in remark["sentence"] for remark in said["remarks"]))
         self.assertFalse(self.path("z.volute").exists())
 
+    def test_an_error_that_is_stated_is_kept_within_a_size(self):
+        said = self.works("compress", CACHE, "-o", self.path("x.volute"), "--size", "12000", "--rms-of", "temperature=0.0005", "--json").json
+        self.assertLessEqual({one["name"]: one for one in said["grids"]}["temperature"]["support_rms"], 0.0005)
+        self.assertLessEqual(self.path("x.volute").stat().st_size, 12000)
+        self.assertIn("names 'solid' twice", self.fails(2, "compress", CACHE, "-o", self.path("y.volute"), "--rms-of", "solid=0.1,solid=0.2"))
+        self.assertIn("grid 'solid' is to be kept, and is not one of the grids to be compressed",
+                      self.fails(2, "compress", self.unpack(), "-o", self.path("y.volute"), "--field", "density", "--keep", "solid"))
+
     def test_one_grid_of_several(self):
-        text = self.fails(2, "extract", CACHE, "-o", self.path("x.npy"))
-        for word in [*NAMES, "--field", "{grid}"]:
-            self.assertIn(word, text)
+        for verb in ("extract", "resample"):
+            text = self.fails(2, verb, CACHE, "-o", self.path("x.npy"), *(["--voxel-size", "0.2"] if verb == "resample" else []))
+            for word in [*[name for name in NAMES if verb == "extract" or name != "fuel"], "--field", "{grid}"]:
+                self.assertIn(word, text)
+            self.assertFalse(self.path("x.npy").exists())
+        self.assertIn("'x_{foo}.npy' has {foo}", self.fails(2, "extract", CACHE, "-o", "x_{foo}.npy"))
+        self.assertIn("distances to a surface",
+                      self.works("extract", CACHE, "-o", self.path("x.npy"), "--field", "solid").message)
+        self.path("x.npy").unlink()
         self.works("extract", CACHE, "-o", self.path("x.npy"), "--field", "velocity")
         shape, values = read_npy(self.path("x.npy").read_bytes())
         self.assertEqual((shape[0], shape[4]), (3, 3))

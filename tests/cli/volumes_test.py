@@ -154,8 +154,50 @@ class Volumes(support.TestCase):
 
     def test_files_that_are_left_out_are_named(self):
         self.cache(["s_1.vdb", "s_2.vdb", "s_03.vdb"])
+        self.path("s_4.VDB").write_bytes(b"")
         said = self.works("compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
-        self.assertIn("1 file is left out: s_03.vdb", said.message)
+        self.assertIn("2 files are left out: s_03.vdb, s_4.VDB", said.message)
+        shutil.copy(self.path("c.npy"), self.path("s_5.npy"))
+        for verb in ("compress", "render"):
+            text = self.fails(2, verb, self.folder, "-o", self.path("q.volute" if verb == "compress" else "q.png"))
+            self.assertIn("holds numbered .vdb and .npy files; name one sequence with its pattern", text)
+        self.path("s_7.vdb").symlink_to("nowhere")
+        text = self.fails(1, "compress", self.path("s_%d.vdb"), "-o", self.path("p.volute"))
+        self.assertIn("s_7.vdb: has the name of a frame and is a link to what is not there; expected a file", text)
+
+    def test_patterns_of_files_with_all_frames(self):
+        packed = self.make_volute()
+        self.assertIn("a pattern of .volute files; expected one", self.fails(1, "compress", self.path("in_%d.volute"), "-o", self.path("p.volute")))
+        self.assertIn("a pattern of .nc files; expected one", self.fails(1, "compress", self.path("in_%d.nc"), "-o", self.path("p.volute")))
+        self.path("empty").mkdir()
+        self.assertIn("name files of another kind with a pattern", self.fails(1, "compress", self.path("empty"), "-o", self.path("p.volute")))
+        for target in ("x_%04d.npy", "x_%04d.nc"):
+            self.assertIn("leave the frame number out of the name", self.fails(2, "extract", packed, "-o", self.path(target)))
+        self.assertIn("has {mesh}, which nothing is filled in for", self.fails(2, "extract", packed, "-o", self.path("x_{mesh}.npy")))
+
+    def test_what_a_format_has_no_place_for_is_told(self):
+        self.works("compress", self.make_npy(), "-o", self.path("x.volute"), "--bounds", "0,0,0,2,2,2", "--fps", "10")
+        text = self.works("extract", self.path("x.volute"), "-o", self.path("x.npy")).message
+        self.assertIn("such a file does not say where the voxels lie (0, 0, 0  to  2, 2, 2 m), or when the frames are shown (0 to 0.2 s)", text)
+        for verb in (("extract", self.path("x.volute")), ("resample", self.path("x.volute"), "--voxel-size", "0.5")):
+            self.assertIn("--fps: ", self.fails(2, *verb, "-o", self.path("y.npy"), "--fps", "3"))
+        self.assertIn("--rms: is the error of a .volute", self.fails(2, "resample", self.path("x.volute"), "-o", self.path("y.npy"), "--rms", "0.1"))
+
+    def test_frames_that_are_asked_for_and_not_there(self):
+        packed = self.make_volute(frames=4)
+        for verb, target in (("compress", "y.volute"), ("extract", "y.npy"), ("resample", "z.npy")):
+            text = self.fails(1, verb, packed, "-o", self.path(target), "--frames", "2:99", "--strict")
+            self.assertIn("frames 2:99 are asked for; it has 0 to 3", text)
+            self.works(verb, packed, "-o", self.path(target), "--frames", "2:4", *(["--strict"] if verb == "compress" else []))
+
+    def test_frames_of_an_earlier_run_are_told(self):
+        self.cache(["s_0.vdb", "s_1.vdb", "s_2.vdb"])
+        target = self.path("o_%02d.vdb")
+        self.works("extract", self.path("c.volute"), "-o", target)
+        text = self.works("extract", self.path("c.volute"), "-o", target, "--frames", "0:1").message
+        self.assertIn("o_01.vdb, o_02.vdb stay from before and are read as frames of the same sequence", text)
+        text = self.works("resample", self.path("c.volute"), "-o", target, "--frames", "1:3").message
+        self.assertIn("o_00.vdb stay", text)
 
     def test_two_files_of_one_number(self):
         self.cache(["s_1.vdb", "s_2.vdb", "s_02.vdb"])
@@ -446,6 +488,16 @@ class Volumes(support.TestCase):
         self.assertEqual((info["frames"], info["frame_numbers"]), (3, [1, 5]))
         self.assertAlmostEqual(info["times"][0], 0.04)
 
+    def test_an_error_adds_to_that_of_the_source(self):
+        source = self.make_npy()
+        self.works("compress", source, "-o", self.path("coarse.volute"), "--rms", "0.05")
+        for verb, more in (("compress", ("--rms", "0.0001")), ("resample", ("--rms", "0.0001", "--bounds=0,0,0,1,1,1"))):
+            said = self.works(verb, self.path("coarse.volute"), "-o", self.path("fine.volute"), *more)
+            self.assertIn("is compressed itself", said.message)
+            stated = self.works("info", self.path("fine.volute"), "--json").json
+            self.assertGreaterEqual(stated["max_error"], self.works("compare", source, self.path("fine.volute"), "--json").json["max_error"])
+            self.assertGreater(stated["relative_rms"], 0.01)
+
     def test_same_bytes_for_any_number_of_threads(self):
         source = self.make_npy(frames=18, size=20)
         for threads in (1, 2, 7):
@@ -513,6 +565,16 @@ class Volumes(support.TestCase):
         self.assertEqual(said["bytes"], [144, 144])
         same = self.works("compare", self.path("a.npy"), self.path("a.npy"), "--json").json
         self.assertEqual((same["rms"], same["psnr"]), (0, None))
+
+    def test_compare_tells_what_it_does_not_measure(self):
+        source = self.make_npy(frames=4)
+        for name, more in (("y", ("--up", "y")), ("x", ("--up", "x")), ("late", ("--frames", "1:4")), ("odd", ("--frames", "0:4:3")), ("even", ("--frames", "0:3:2"))):
+            self.works("compress", source, "-o", self.path(f"{name}.volute"), *more)
+        said = lambda a, b: self.works("compare", self.path(f"{a}.volute"), self.path(f"{b}.volute")).message
+        self.assertIn("one says that y points upwards and the other says that x points upwards", said("y", "x"))
+        self.assertIn("frame 3 with frame 2", said("odd", "even"))
+        self.assertIn("cannot be reached: it is finer than float32",
+                      self.fails(1, "compress", source, "-o", self.path("f.volute"), "--max-error", "1e-12"))
 
     def test_info_of_several_files(self):
         files = self.works("info", self.make_npy(), self.make_volute(), "--json").json["files"]

@@ -85,13 +85,18 @@ TEST(FramePattern, ListsByNumberAndSkipsGaps) {
   const TempFolder folder;
   for (const char* name : {"f_10.vdb", "f_9.vdb", "f_2.vdb", "f_02.vdb", "g_3.vdb", "f_3.txt"})
     writeBytes(folder / name, "");
-  std::filesystem::create_directory(folder / "f_4.vdb");
   ASSERT_VALUE(const auto pattern, FramePattern::parse(folder / "f_%d.vdb"));
   ASSERT_VALUE(const auto files, pattern.list());
   ASSERT_EQ(files.size(), 3u);
   EXPECT_EQ(files[0].number, 2);
   EXPECT_EQ(files[1].number, 9);
   EXPECT_EQ(files[2].path, folder / "f_10.vdb");
+  // What has a frame's name and is no file would be a gap that nobody sees.
+  std::filesystem::create_directory(folder / "f_4.vdb");
+  EXPECT_EQ(pattern.list().error().code, ErrorCode::kInvalidData);
+  std::filesystem::remove(folder / "f_4.vdb");
+  std::filesystem::create_symlink("nowhere", folder / "f_4.vdb");
+  EXPECT_EQ(pattern.list().error().code, ErrorCode::kInvalidData);
 }
 
 TEST(FramePattern, ManySeriesOfOneFolder) {

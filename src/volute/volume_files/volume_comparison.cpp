@@ -155,8 +155,8 @@ void remarkOnMeaning(const VolumeInfo& a, const VolumeInfo& b, Reading& reading)
 
 /// Frames are compared in their order, whatever their numbers.
 void remarkOnNumbers(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
-  if (a.frames != b.frames)
-    return;  // an error
+  if (a.frames != b.frames || a.frames < 2)
+    return;  // an error; files that are named each by itself
   std::optional<std::size_t> first;
   bool alike = true;  // but for where they begin
   const auto number = [](const VolumeInfo& info, std::size_t i) {

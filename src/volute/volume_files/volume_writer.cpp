@@ -142,7 +142,7 @@ void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const st
     lost.push_back(fmt::format("when the frames are shown ({:.4g} to {:.4g} s)", info.times.front(),
                                info.times.back()));
   if (nano && besides.metadata)
-    lost.emplace_back("the metadata of its grids");
+    lost.emplace_back("what metadata its grids have");
   if (!lost.empty())
     reading.progress.remark(
         Remark(RemarkCode::kLeftOut,
