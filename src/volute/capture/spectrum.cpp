@@ -8,6 +8,7 @@
 
 #include "volute/base/read_text.hpp"
 #include "volute/capture/json_value.hpp"
+#include "volute/io/table.hpp"
 
 namespace volute {
 namespace {
@@ -31,39 +32,33 @@ Result<Sample> sampleOf(const std::vector<double>& numbers, const JsonValue& val
   return Sample{numbers[0], sensitivity};
 }
 
-/// A table of lines "nm,r,g,b"; lines that begin with no number, as a head, are left out at the
-/// top.
+/// A table of wavelengths and sensitivities, by the names of its columns; without names they are
+/// wavelength [nm], red, green and blue.
 Result<std::vector<Sample>> tableOf(const std::filesystem::path& file, const JsonValue& value) {
   VOLUTE_ASSIGN(const std::string text, readText(file));
+  const std::vector<TableColumn> columns{
+      {"wavelength", "nm", {"nm", "wavelength_nm", "wavelengths", "lambda"}},
+      {"red", "", {"r"}},
+      {"green", "", {"g"}},
+      {"blue", "", {"b"}}};
+  TableRules rules;
+  rules.unnamed = {columns.size(), columns.size()};
+  rules.blanks = text.find_first_of(",;\t") == std::string::npos;
+  TableReader table(file.string(), columns, rules);
   std::vector<Sample> samples;
-  std::size_t begin = 0;
-  for (int line = 1; begin < text.size(); ++line) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    std::string row = text.substr(begin, end - begin);
-    begin = end + 1;
-    for (char& c : row) {
-      if (c == ',' || c == ';' || c == '\t' || c == '\r')
-        c = ' ';
-    }
-    if (row.find_first_not_of(' ') == std::string::npos || row[row.find_first_not_of(' ')] == '#')
-      continue;
+  const Status read = readTable(table, text, [&]() -> Status {
     std::vector<double> numbers;
-    const char* at = row.c_str();
-    for (char* after = nullptr;; at = after) {
-      const double number = std::strtod(at, &after);
-      if (after == at)
-        break;
-      numbers.push_back(number);
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      if (!table.has(i))
+        return fail(ErrorCode::kInvalidData, "{}: no column is called {}", file.string(),
+                    columns[i].name);
+      VOLUTE_ASSIGN(numbers.emplace_back(), table.number(i));
     }
-    const bool rest = std::string_view(at).find_first_not_of(' ') != std::string_view::npos;
-    if (rest && numbers.empty() && samples.empty())
-      continue;  // the head
-    if (rest || numbers.size() != 4)
-      return value.fault(
-          fmt::format("{}:{}: expected wavelength [nm], red, green, blue", file.string(), line));
-    VOLUTE_ASSIGN(const Sample sample, sampleOf(numbers, value));
-    samples.push_back(sample);
-  }
+    VOLUTE_ASSIGN(samples.emplace_back(), sampleOf(numbers, value));
+    return {};
+  });
+  if (!read)
+    return value.fault(read.error().message);
   return samples;
 }
 
