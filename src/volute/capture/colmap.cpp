@@ -55,8 +55,8 @@ Status readIntrinsics(const ColmapCamera& camera, const std::string& where,
 
 }  // namespace
 
-Result<CaptureDraft> readColmap(const std::filesystem::path& folder, std::uint64_t maxMemory) {
-  VOLUTE_ASSIGN(const auto model, readColmapFiles(folder, maxMemory));
+Result<CaptureDraft> readColmap(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  VOLUTE_ASSIGN(const auto model, readColmapFiles(path, maxMemory));
   CaptureDraft draft;
   draft.kind = "COLMAP";
   for (const ColmapImage& image : model.images) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <sstream>
 
+#include "volute/base/file_name.hpp"
 #include "volute/base/number_word.hpp"
 #include "volute/base/read_text.hpp"
 
@@ -302,13 +303,21 @@ Status readImagesBinary(const std::filesystem::path& path, std::uint64_t maxMemo
 
 }  // namespace
 
-Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder, std::uint64_t maxMemory) {
-  const auto has = [&](const char* name) {
+Result<ColmapModel> readColmapFiles(const std::filesystem::path& path, std::uint64_t maxMemory) {
+  std::error_code ignored;
+  const bool whole = std::filesystem::is_directory(path, ignored);
+  const auto folder = whole ? path : path.parent_path();
+  const std::string ending = whole ? "" : extensionOf(path);
+  const auto has = [&](const std::string& name) {
     std::error_code error;
-    return std::filesystem::exists(folder / name, error);
+    return name.ends_with(ending) && std::filesystem::exists(folder / name, error);
   };
   ColmapModel model;
   if (has("cameras.txt") && has("images.txt")) {
+    if (has("cameras.bin") && has("images.bin"))
+      model.remarks.emplace_back(
+          "the folder has cameras and images as .txt and as .bin, and the .txt were read; name a "
+          "file of those that count");
     VOLUTE_TRY(readCamerasText(folder / "cameras.txt", maxMemory, model));
     VOLUTE_TRY(readImagesText(folder / "images.txt", maxMemory, model));
     return model;

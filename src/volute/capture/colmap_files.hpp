@@ -37,9 +37,9 @@ struct ColmapModel {
 };
 
 /// Reads cameras and images as text or, when there is no text, as binary files from a model's
-/// folder. Errors name the file and the line or byte; kTooLarge for more images than `maxMemory`
-/// [bytes] holds.
-[[nodiscard]] Result<ColmapModel> readColmapFiles(const std::filesystem::path& folder,
+/// folder; beside a file of it, those of its ending. Errors name the file and the line or byte;
+/// kTooLarge for more images than `maxMemory` [bytes] holds.
+[[nodiscard]] Result<ColmapModel> readColmapFiles(const std::filesystem::path& path,
                                                   std::uint64_t maxMemory);
 
 }  // namespace volute

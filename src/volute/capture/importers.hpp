@@ -68,8 +68,10 @@ struct CaptureDraft {
 /// for entries that are cameras already.
 [[nodiscard]] Status groupEntries(CaptureDraft& draft);
 
-/// A COLMAP model: the folder with cameras and images as .txt or .bin. Pixel centres at 0.5.
-[[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& folder,
+/// A COLMAP model: the folder with cameras and images as .txt or .bin, or one of these files, which
+/// says which of both. Of a folder with both the .txt are read, which is remarked on. Pixel centres
+/// at 0.5.
+[[nodiscard]] Result<CaptureDraft> readColmap(const std::filesystem::path& path,
                                               std::uint64_t maxMemory);
 
 /// OpenCV FileStorage, YAML, XML or JSON: matrices K_NAME, D_NAME, R_NAME, T_NAME for each camera,
