@@ -40,7 +40,6 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   takeOptional("lambda", options.lambda);
   takeOptional("sparsity", options.sparsity);
   takeOptional("iterations", options.iterations);
-  takeOptional("noise_sigma", options.noiseSigma);
   take("rays_per_pixel", options.raysPerPixel);
   take("hull", options.hull);
   take("coarse_to_fine", options.coarseToFine);
@@ -48,8 +47,7 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   take("force", settings.force);
   take("error_bars", settings.errorBars);
   take("temperature", settings.flame);
-  if (!options.noiseSigma)
-    options.noiseSigma = capture.noiseSigma;
+  options.noiseSigma = capture.fittedNoise();
   options.maxMemory = maxMemory;
   return settings;
 }
@@ -69,6 +67,8 @@ CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) 
     const auto range = said["frames"].get<std::array<int, 2>>();
     options.frames = {range[0], range[1]};
   }
+  if (said.contains("noise_sigma"))
+    options.noiseSigma = said["noise_sigma"].get<double>();
   return options;
 }
 

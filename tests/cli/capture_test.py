@@ -432,6 +432,15 @@ class Pictures(ring.TestCase):
         self.assertLess(result.json["residual"], 0.3)
         info = self.works("info", self.path("out.volute"), "--json").json
         self.assertEqual((info["grid"], info["unit"]), ("extinction", "1/m"))
+        # The noise of light says what is dark, stated in either place; that of depths is estimated.
+        option = self.reconstruct("--frames", "10", "--noise-sigma", "0.1")
+        self.assertRegex(option.message, "let no light through")
+        self.assertNotRegex(option.message, "brighter than the background")
+        before = self.path("out.npy").read_bytes()
+        self.json["noise_sigma"] = 0.1
+        self.write_capture()
+        self.reconstruct("--frames", "10")
+        self.assertEqual(self.path("out.npy").read_bytes(), before)
 
     def test_backgrounds_from_empty_frames(self):
         for name in ring.NAMES:

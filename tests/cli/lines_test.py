@@ -53,6 +53,14 @@ class Lines(support.TestCase):
         self.assertEqual([one["lines"] for one in report["lines"]], [150, 150])
         self.assertTrue(all(0 < one["spread"] < 3 for one in report["lines"]), report["lines"])
 
+    def test_a_stated_strength_leaves_nothing_out(self):
+        self.write(60)
+        result = self.works("reconstruct", self.path("lamps.csv"), "-o", self.path("one.npy"), "--lambda", 0.01, "--resolution", 8,
+                            "--report", self.path("r.json"), "--json")
+        self.assertIsNone(result.json["left_out"])
+        self.assertIn("25 frames a second are assumed", result.message)
+        self.assertEqual([one["left_out"] for one in json.loads(self.path("r.json").read_text())["lines"]], [None, None])
+
     def test_usual_volume_and_one_frame(self):
         self.write(60)
         result = self.works("reconstruct", self.path("lamps.csv"), "-o", self.path("one.npy"), "--frames", "4")

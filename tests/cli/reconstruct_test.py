@@ -162,6 +162,14 @@ class Reconstruct(ring.TestCase):
         self.reconstruct("--frames", "10", output="colour.npy")
         colour = read_npy(self.path("colour.npy").read_bytes())[1]
         self.assertLess(relative(colour[0::3], grey), 0.05)
+        # A grey first frame does not make the others grey.
+        for name in ring.NAMES:
+            write_exr(self.path(f"g_{name}_0011.exr"), read_exr(self.path(f"{name}_0011.exr")))
+        self.reconstruct("--frames", "10:12", "--images", self.path("g_{camera}_%04d.exr"), output="both.npy")
+        shape, both = read_npy(self.path("both.npy").read_bytes())
+        self.assertEqual(shape, (2, 16, 16, 16, 3))
+        second = both[len(both) // 2:]
+        self.assertGreater(relative(second[0::3], second[2::3]), 0.2)
 
     def test_standard_output(self):
         self.reconstruct("--frames", "10")

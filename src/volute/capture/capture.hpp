@@ -47,6 +47,8 @@ struct PictureSource {
   std::vector<double> filmPlaces{};
   std::filesystem::path background;  ///< a picture without the medium; empty: none
   std::filesystem::path mask;        ///< 0 = ignore the pixel (obstructors); empty: none
+  double exposure = 1;               ///< by which its linear values, its background's too, are
+                                     ///< divided
   double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
                                      ///< that cancels out, on its optical depths
   Rgb channelGain = Rgb::Ones();     ///< the same for each channel, besides `gain`
@@ -59,9 +61,12 @@ struct PictureSource {
   /// for films, nothing for floats, and for integers 1, or less where many pixels read one largest
   /// value.
   std::optional<double> saturation;
-  int bits = 0;           ///< of the values in files of 16 bits: white is 2^bits - 1; 0: 2^16 - 1
+  int bits = 0;           ///< of the values in files of more: white is 2^bits - 1; 0: the files'
   double black = 0;       ///< the stored value of darkness in integers and films, 1 = white
   bool bottomUp = false;  ///< the first row is the lowest, of background and mask as well
+
+  /// The factor of linear values of kEmission.
+  double lightGain() const { return gain / exposure; }
 
   /// What shows frame `n`: a whole picture where one was taken within a hundredth of the time
   /// between pictures, else two.
@@ -121,15 +126,25 @@ struct Capture {
   double pixelCentre = 0.5;  ///< of the file's coordinates; the cameras have it settled
   std::vector<CaptureCamera> cameras;
   std::vector<int> frames;  ///< ascending; those that were chosen
-  int firstFrame = 0;       ///< of the whole capture: its time is 0 s
+  /// All that the file states; empty: none, they are those of which there are pictures.
+  std::vector<int> statedFrames;
+  int firstFrame = 0;  ///< of the whole capture, or 0 where a camera is a film or states when it
+                       ///< begins: its time is 0 s
   CaptureVolume volume;
   CaptureLighting lighting;          ///< without lamps: not stated
   CaptureSpectrum spectrum;          ///< of the channels; not stated: colours are no spectrum
   double framesPerSecond = 25;       ///< the time of frame n is that of n / framesPerSecond
   double white = 1;                  ///< linear radiance of a value of 1
-  std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance
+  std::optional<double> noiseSigma;  ///< of one pixel's channel, as radiance: of the light, also
+                                     ///< of kAbsorption
   std::vector<int> emptyFrames;      ///< frames without the medium, to estimate backgrounds from
   std::vector<Remark> remarks;       ///< what a person should know: conventions, unknown keys
+
+  /// The noise of what a reconstruction fits; nothing: to be estimated, as that of optical depths,
+  /// which is `noiseSigma` over the light of each pixel.
+  std::optional<double> fittedNoise() const {
+    return measured == Measured::kEmission ? noiseSigma : std::nullopt;
+  }
 };
 
 /// The position of a camera; nothing when there is none of that name.

@@ -123,6 +123,27 @@ std::vector<std::string> picturesOfOthers(const Capture& capture, std::uint64_t 
 
 }  // namespace
 
+bool isGrey(const Capture& capture, std::uint64_t maxMemory) {
+  for (const int frame : capture.frames) {
+    for (const CaptureCamera& camera : capture.cameras) {
+      const PictureSource& pictures = camera.pictures;
+      if (!pictures.video.empty())
+        return false;
+      const PicturePlace place = pictures.placeOf(frame);
+      for (int number = place.number; number <= place.number + (place.share > 0 ? 1 : 0);
+           ++number) {
+        if (!pictures.isThere(number))
+          continue;
+        const auto kind =
+            pictureKind(pictures.fileOf(number), maxMemory, pictures.pages == 1 ? 0 : number);
+        if (kind && kind->channels == 3)
+          return false;
+      }
+    }
+  }
+  return true;
+}
+
 Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut, bool force,
                     std::uint64_t maxMemory, Progress& progress) {
   constexpr int kFewest = 3;

@@ -16,4 +16,8 @@ namespace volute {
 [[nodiscard]] Status checkCapture(const Capture& capture, const std::vector<std::string>& heldOut,
                                   bool force, std::uint64_t maxMemory, Progress& progress);
 
+/// Whether all pictures of the chosen frames have one channel, by their files' heads: films are in
+/// colour, and pictures that are missing or damaged do not count.
+[[nodiscard]] bool isGrey(const Capture& capture, std::uint64_t maxMemory);
+
 }  // namespace volute

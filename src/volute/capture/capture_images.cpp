@@ -36,19 +36,19 @@ std::vector<float> lightTable(const Response& response, double exponent, double 
 }
 
 /// White becomes 1 where values have fewer bits than their file.
-Status scaleBits(Image& image, int bits, const std::string& name) {
-  if (bits == 0)
+/// @param largest  the integer that is 1 in the file
+Status scaleBits(Image& image, int bits, double largest, const std::string& name) {
+  const double white = std::ldexp(1.0, bits) - 1;
+  if (bits == 0 || largest <= white)
     return {};
-  const float factor = 65535.0F / static_cast<float>((1 << bits) - 1);
-  for (float& value : image.pixels) value *= factor;
-  const float largest = *std::ranges::max_element(image.pixels);
-  if (largest <= 1.0001F)
+  for (float& value : image.pixels) value = static_cast<float>(value * (largest / white));
+  const double brightest = *std::ranges::max_element(image.pixels);
+  if (brightest <= 1.0001)
     return {};
-  return fail(
-      ErrorCode::kInvalidData,
-      "{}: has values up to {:.0f} of 65535, more than the {} of its \"bits\": {}; expected a "
-      "file of 16 bits with values from 0, or a larger number of bits",
-      name, largest * ((1 << bits) - 1), (1 << bits) - 1, bits);
+  return fail(ErrorCode::kInvalidData,
+              "{}: has values up to {:.0f} of {:.0f}, more than the {:.0f} of its \"bits\": {}; "
+              "expected values from 0 in a file of more bits, or a larger number of bits",
+              name, brightest * white, largest, white, bits);
 }
 
 /// 0 = black, 1 = white; below black there is noise.
@@ -166,6 +166,19 @@ Status CaptureImages::checkSize(std::size_t camera, const Image& image,
 
 namespace {
 
+/// (height, width), bit c: channel c reads `saturation` or more.
+std::vector<std::uint8_t> saturatedIn(const Image& image, double saturation) {
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::vector<std::uint8_t> atLeast(image.pixels.size() / channels);
+  for (std::size_t i = 0; i < atLeast.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (image.pixels[channels * i + (channels == 3 ? c : 0)] >= saturation - 1e-6)
+        atLeast[i] |= static_cast<std::uint8_t>(1U << c);
+    }
+  }
+  return atLeast;
+}
+
 /// The first row on top.
 void turnUp(const PictureSource& pictures, Image& image) {
   const std::size_t row = static_cast<std::size_t>(image.width) * image.channels;
@@ -217,11 +230,12 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
   stored.mosaic = isMosaic(stored.image);
   if (stored.linear)
     return stored;
-  const bool fewer = pictures.bits != 0 && read->largest != std::ldexp(1.0, pictures.bits) - 1;
-  VOLUTE_TRY(scaleBits(stored.image, fewer ? pictures.bits : 0, name));
+  // NOLINTNEXTLINE(bugprone-unchecked-optional-access): as above
+  stored.largest = read->largest;
+  VOLUTE_TRY(scaleBits(stored.image, pictures.bits, stored.largest, name));
   if (!pictures.saturation && pictures.bits == 0) {
-    stored.plateau = plateauOf(stored.image);
-    stored.bitsHolding = bitsHolding(stored.image);
+    stored.plateau = plateauOf(stored.image, stored.largest);
+    stored.bitsHolding = bitsHolding(stored.image, stored.largest);
   }
   if (stored.plateau)
     stored.saturation = stored.plateau->value;
@@ -287,7 +301,7 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
   const auto& pictures = capture_->cameras[camera].pictures;
   // Of absorption the gain would cancel out; it is one of the depths.
   const bool light = capture_->measured == Measured::kEmission;
-  const double factor = capture_->white * (light ? pictures.gain : 1);
+  const double factor = capture_->white * (light ? pictures.lightGain() : 1 / pictures.exposure);
   Image image = stored.image;
   if (stored.linear) {
     for (float& value : image.pixels)
@@ -324,11 +338,51 @@ Status CaptureImages::openMask(std::size_t camera) {
   mask.resize(image.pixels.size() / channels);
   for (std::size_t i = 0; i < image.pixels.size(); ++i)
     mask[i / channels] |= image.pixels[i] > 0 ? 1 : 0;
+  if (auto& alpha = stored->alpha) {
+    turnUp(pictures, *alpha);
+    std::size_t transparent = 0;
+    for (std::size_t i = 0; i < mask.size(); ++i) {
+      if (alpha->pixels[i] > 0)
+        continue;
+      mask[i] = 0;
+      ++transparent;
+    }
+    transparentMasks_[camera] = static_cast<double>(transparent) / static_cast<double>(mask.size());
+  }
   if (std::ranges::none_of(mask, [](char m) { return m != 0; })) {
-    return fail(ErrorCode::kInvalidData, "{}: {} is 0 everywhere, so no pixel counts", name,
-                path.string());
+    return fail(ErrorCode::kInvalidData, "{}: {} is 0 {}everywhere, so no pixel counts", name,
+                path.string(), transparentMasks_[camera] > 0 ? "or transparent " : "");
   }
   return {};
+}
+
+/// Of the empty frames. A channel counts as saturated where it is so in half of them.
+Result<Image> CaptureImages::medianBackground(std::size_t camera, Progress& progress) {
+  const auto& frames = capture_->emptyFrames;
+  PictureSource unshifted = capture_->cameras[camera].pictures;
+  unshifted.frameShift = 0;              // that goes for clocks, and nothing moves here
+  std::vector<std::uint32_t> saturated;  // (height, width, 3), in how many frames
+  std::size_t taken = 0;
+  VOLUTE_ASSIGN(
+      Image median, medianImage(frames.size(), maxMemory_, [&](std::size_t i) -> Result<Image> {
+        progress.report("backgrounds", static_cast<double>(camera * frames.size() + i),
+                        static_cast<double>(capture_->cameras.size() * frames.size()));
+        if (progress.cancelled())
+          return fail(ErrorCode::kCancelled, "stopped: reading backgrounds");
+        VOLUTE_ASSIGN(Seen seen, readSeen(camera, unshifted.placeOf(frames[i]).number, frames[i]));
+        saturated.resize(3 * seen.atLeast.size());
+        for (std::size_t j = 0; j < saturated.size(); ++j)
+          saturated[j] += (seen.atLeast[j / 3] >> (j % 3)) & 1U;
+        ++taken;
+        return std::move(seen.light);
+      }));
+  auto& atLeast = backgroundsAtLeast_[camera];
+  atLeast.assign(saturated.size() / 3, 0);
+  for (std::size_t j = 0; j < saturated.size(); ++j) {
+    if (2 * saturated[j] >= taken)
+      atLeast[j / 3] |= static_cast<std::uint8_t>(1U << (j % 3));
+  }
+  return median;
 }
 
 Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
@@ -342,20 +396,9 @@ Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
                   "picture",
                   name, pictures.background.string());
     backgrounds_[camera] = linearised(camera, stored);
+    backgroundsAtLeast_[camera] = saturatedIn(stored.image, stored.saturation);
   } else if (!capture_->emptyFrames.empty()) {
-    const auto& frames = capture_->emptyFrames;
-    VOLUTE_ASSIGN(backgrounds_[camera],
-                  medianImage(frames.size(), maxMemory_, [&](std::size_t i) -> Result<Image> {
-                    progress.report("backgrounds", static_cast<double>(camera * frames.size() + i),
-                                    static_cast<double>(capture_->cameras.size() * frames.size()));
-                    if (progress.cancelled())
-                      return fail(ErrorCode::kCancelled, "stopped: reading backgrounds");
-                    PictureSource unshifted = pictures;
-                    unshifted.frameShift = 0;  // that goes for clocks, and nothing moves here
-                    VOLUTE_ASSIGN(Seen seen,
-                                  readSeen(camera, unshifted.placeOf(frames[i]).number, frames[i]));
-                    return std::move(seen.light);
-                  }));
+    VOLUTE_ASSIGN(backgrounds_[camera], medianBackground(camera, progress));
   }
   for (const float value : backgrounds_[camera].pixels) {
     if (!std::isfinite(value))
@@ -381,7 +424,9 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
                                           Progress& progress) {
   CaptureImages images(capture, maxMemory);
   images.masks_.resize(capture.cameras.size());
+  images.transparentMasks_.resize(capture.cameras.size());
   images.backgrounds_.resize(capture.cameras.size());
+  images.backgroundsAtLeast_.resize(capture.cameras.size());
   images.beside_.resize(capture.cameras.size());
   for (std::size_t camera = 0; camera < capture.cameras.size(); ++camera) {
     VOLUTE_TRY(images.openMask(camera));
@@ -400,16 +445,10 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.mosaic,
             stored.plateau,
             stored.bitsHolding,
+            stored.largest,
             stored.linear ? std::nullopt : std::optional(stored.response),
             stored.there};
-  const auto channels = static_cast<std::size_t>(stored.image.channels);
-  seen.atLeast.assign(stored.image.pixels.size() / channels, 0);
-  for (std::size_t i = 0; i < seen.atLeast.size(); ++i) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      if (stored.image.pixels[channels * i + (channels == 3 ? c : 0)] >= stored.saturation - 1e-6)
-        seen.atLeast[i] |= static_cast<std::uint8_t>(1U << c);
-    }
-  }
+  seen.atLeast = saturatedIn(stored.image, stored.saturation);
   return seen;
 }
 
@@ -458,6 +497,8 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   picture.mosaic = seen.mosaic;
   picture.plateau = seen.plateau;
   picture.bitsHolding = seen.bitsHolding;
+  picture.largest = seen.largest;
+  picture.transparentMask = transparentMasks_[camera];
   const std::size_t pixels = seen.atLeast.size();
   picture.weight.assign(pixels, 1);
   picture.atLeast.assign(pixels, 0);
@@ -514,7 +555,7 @@ void CaptureImages::subtractPedestal(std::size_t camera, const std::optional<Res
   if (!pedestal)
     return;
   const PictureSource& source = known.pictures;
-  const Rgb white = capture_->white * source.gain * source.channelGain;
+  const Rgb white = capture_->white * source.lightGain() * source.channelGain;
   const std::vector<float> light =
       lightTable(response.value_or(Response()), response ? source.exponent : 1, 1);
   const auto top = static_cast<double>(light.size() - 1);
@@ -547,7 +588,7 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
   Image background = backgrounds_[camera];
   if (std::vector<std::uint8_t> pixels = beside_[camera]; !pixels.empty()) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
-      if (picture.weight[i] == 0)
+      if (picture.weight[i] == 0 || backgroundsAtLeast_[camera][i] != 0)
         pixels[i] = 0;
     }
     picture.drift = findBackgroundDrift(picture.radiance, background, pixels);
@@ -570,6 +611,20 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
   picture.weight = std::move(depths.weight);
   picture.atLeast = std::move(depths.atLeast);
   picture.opaqueShare = depths.opaqueShare;
+  // Where the background is saturated it is brighter than it reads, and the depth larger.
+  std::size_t lit = 0, saturated = 0;
+  for (std::size_t i = 0; i < picture.weight.size(); ++i) {
+    if (picture.weight[i] == 0 && picture.atLeast[i] == 0)
+      continue;
+    ++lit;
+    if (const std::uint8_t bits = backgroundsAtLeast_[camera][i]; bits != 0) {
+      ++saturated;
+      picture.atLeast[i] |= bits;
+      picture.weight[i] = 0;
+    }
+  }
+  picture.litBackgroundSaturated =
+      static_cast<double>(saturated) / static_cast<double>(std::max<std::size_t>(1, lit));
   const auto gain = static_cast<float>(capture_->cameras[camera].pictures.gain);
   for (float& depth : picture.radiance.pixels) depth *= gain;
   multiplyChannels(capture_->cameras[camera].pictures.channelGain, picture.radiance);

@@ -29,13 +29,16 @@ struct CameraPicture {
   std::optional<BackgroundDrift> drift;  ///< of the background, where it was found and undone
   double brightest = 0;                  ///< of the measured channels, background included
   double saturatedShare = 0;             ///< of the pixels that are not masked
-  double opaqueShare = 0;       ///< of the pixels with a lit background, those without light
-  double maskedShare = 0;       ///< of all pixels
-  double transparentShare = 0;  ///< of all pixels of floats, those with alpha < 1
-  bool grey = false;            ///< one channel in the file
-  bool mosaic = false;          ///< brightness goes by the place in blocks of 2 x 2 pixels
+  double opaqueShare = 0;             ///< of the pixels with a lit background, those without light
+  double litBackgroundSaturated = 0;  ///< of them, those whose background is saturated
+  double maskedShare = 0;             ///< of all pixels
+  double transparentShare = 0;        ///< of all pixels of floats, those with alpha < 1
+  double transparentMask = 0;         ///< of all pixels, those that are transparent in the mask
+  bool grey = false;                  ///< one channel in the file
+  bool mosaic = false;                ///< brightness goes by the place in blocks of 2 x 2 pixels
   std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
   int bitsHolding = 0;  ///< see bitsHolding(); 0 also where the capture states bits or saturation
+  double largest = 65535;  ///< the integer that is 1 in its file
   /// What all pixels beside the volume show, as a stored value: a black level, which was
   /// subtracted; 0: nothing.
   double storedPedestal = 0;
@@ -69,6 +72,7 @@ class CaptureImages {
     double transparentShare = 0;
     std::optional<StoredPlateau> plateau;
     int bitsHolding = 0;
+    double largest = 65535;  // the integer that is 1
     bool mosaic = false;
     std::vector<std::uint8_t> there{};  // of each pixel; 0: the file holds nothing; empty: all
   };
@@ -86,6 +90,7 @@ class CaptureImages {
     bool mosaic = false;
     std::optional<StoredPlateau> plateau;
     int bitsHolding = 0;
+    double largest = 65535;
     std::optional<Response> response;   // by which it became light; none: floats
     std::vector<std::uint8_t> there{};  // see Stored
   };
@@ -104,13 +109,16 @@ class CaptureImages {
   void subtractPedestal(std::size_t camera, const std::optional<Response>& response,
                         CameraPicture& picture);
   Image linearised(std::size_t camera, const Stored& stored) const;
+  [[nodiscard]] Result<Image> medianBackground(std::size_t camera, Progress& progress);
   [[nodiscard]] Status openMask(std::size_t camera);
   [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
 
   const Capture* capture_;
   std::uint64_t maxMemory_;
-  std::vector<std::vector<char>> masks_;           // 0 = ignore; empty: none
-  std::vector<Image> backgrounds_;                 // linear RGB; empty: none
+  std::vector<std::vector<char>> masks_;                       // 0 = ignore; empty: none
+  std::vector<double> transparentMasks_;                       // shares of their pixels
+  std::vector<Image> backgrounds_;                             // linear RGB; empty: none
+  std::vector<std::vector<std::uint8_t>> backgroundsAtLeast_;  // as Seen::atLeast
   std::vector<std::vector<std::uint8_t>> beside_;  // pixels that show the background; empty: none
   std::map<std::size_t, FilmFrames> films_;
   // Of cameras between whose pictures frames lie, the last two: the next frame needs them again.

@@ -125,6 +125,24 @@ TEST_F(CaptureImagesTest, PngFilesMayStateHowTheyStoreLight) {
   ASSERT_VALUE(const auto stated, readPicture(0, 4));
   EXPECT_EQ(told(), 1) << "the file says that it is linear";
   EXPECT_NEAR(stated.radiance.at(2, 2, 1), 0.0508, 1e-3);
+  json["color"] = "gamma:1.2";
+  ASSERT_VALUE(const auto near, readPicture(0, 4));
+  EXPECT_EQ(told(), 1) << "another curve";
+  json.erase("color");
+  testing::writeText(folder / "capture.json", json.dump());
+  CaptureOptions options;
+  options.response = Response::srgb();
+  capture.emplace(openCapture(folder / "capture.json", options).value());
+  EXPECT_EQ(told(), 1) << "as is what was asked for";
+  write("p_0004.png", light);  // states sRGB, which 2.2 is near
+  json["color"] = "gamma:2.2";
+  ASSERT_VALUE(const auto power, readPicture(0, 4));
+  EXPECT_EQ(told(), 0);
+  json["saturation"] = 250;
+  EXPECT_TRUE(
+      failsWith(readPicture(0, 4), "\"saturation\" is 250; expected a stored value up to 1"));
+  json["cameras"][0]["saturation"] = 0.9;
+  EXPECT_TRUE(readPicture(1, 4)) << "of floats";
 }
 
 /// A smooth flame of many values, up to `most`.
@@ -191,6 +209,43 @@ TEST_F(CaptureImagesTest, FewBitsInFilesOfSixteen) {
   ASSERT_VALUE(const auto bytes, readPicture(0, 4));
   EXPECT_FALSE(bytes.plateau.has_value());
   EXPECT_EQ(bytes.bitsHolding, 0);
+  write("p_0004.png", picture(0.001F));  // stored below 16 of 255
+  for (const int bits : {8, 12}) {
+    json["bits"] = bits;
+    ASSERT_VALUE(const auto dark, readPicture(0, 4));
+    EXPECT_NEAR(dark.radiance.at(3, 3), 3.0 / 255, 1e-5) << bits;
+  }
+  EXPECT_TRUE(std::ranges::any_of(capture->remarks, [](const Remark& remark) {
+    return remark.sentence.ends_with("\"bits\": 12 has no effect: pictures hold values up to 255");
+  }));
+}
+
+/// A .npy of uint32 in which all pixels have one value.
+std::string wordsOf(std::uint32_t value) {
+  std::string npy = std::string("\x93NUMPY\x01\0\x76\0", 10) +
+                    fmt::format("{{'descr': '<u4', 'fortran_order': False, 'shape': ({}, {}), }}",
+                                kHeight, kWidth);
+  npy.resize(127, ' ');
+  npy += '\n';
+  for (int i = 0; i < kWidth * kHeight; ++i)
+    npy.append(reinterpret_cast<const char*>(&value), sizeof value);
+  return npy;
+}
+
+TEST_F(CaptureImagesTest, FewBitsInFilesOfThirtyTwo) {
+  json["cameras"][0]["image"] = "q_%04d.npy";
+  testing::writeText(folder / "q_0004.npy", wordsOf(2048));
+  ASSERT_VALUE(const auto bare, readPicture(0, 4));
+  EXPECT_EQ(bare.bitsHolding, 12);
+  EXPECT_EQ(bare.largest, 4294967295.0);
+  json["bits"] = 12;
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_NEAR(read.radiance.at(3, 3), 2048.0 / 4095, 1e-5);
+  testing::writeText(folder / "q_0004.npy", wordsOf(60000));
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "values up to 60000 of 4294967295, more than the 4095"));
+  json["bits"] = 20;
+  ASSERT_VALUE(const auto twenty, readPicture(0, 4));
+  EXPECT_NEAR(twenty.radiance.at(3, 3), 60000.0 / 1048575, 1e-5);
 }
 
 /// A grey .tif of 16 bits with a page of one value for each of `levels`.
@@ -392,6 +447,39 @@ TEST_F(CaptureImagesTest, LitBackgroundsGiveOpticalDepths) {
   EXPECT_EQ(read.weight[8 * kWidth + 13], 0);
   EXPECT_NEAR(read.radiance.at(13, 8, 1), 2 * std::log(500.0), 1e-4) << "a bound";
   EXPECT_NEAR(read.opaqueShare, 1.0 / (kWidth * kHeight), 1e-9);
+  EXPECT_EQ(read.litBackgroundSaturated, 0);
+  json["cameras"][1]["exposure"] = 4;  // of the background as well
+  ASSERT_VALUE(const auto longer, readPicture(1, 4));
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(longer.radiance.at(12, 8, c), c + 1, 1e-5);
+}
+
+TEST_F(CaptureImagesTest, SaturatedBackgroundsGiveLowerBounds) {
+  json["kind"] = "absorption";
+  for (int i = 0; i < 3; ++i) json["cameras"][i]["background"] = "back.exr";
+  write("back.exr", picture(0.8f));
+  Image lamp = picture(0.5F, 1), seen = picture(0.4F, 1);
+  lamp.at(12, 8) = lamp.at(13, 8) = 1;
+  seen.at(13, 8) = 1;
+  ASSERT_TRUE(ok(writeMap(folder / "lamp.png", lamp)));
+  ASSERT_TRUE(ok(writeMap(folder / "p_0004.png", seen)));
+  json["cameras"][0]["image"] = "p_%04d.png";
+  json["cameras"][0]["background"] = "lamp.png";
+  const auto expectBound = [&] {
+    ASSERT_VALUE(const auto read, readPicture(0, 4));
+    EXPECT_NEAR(read.radiance.at(0, 0), std::log(0.5 / 0.4), 1e-4);
+    EXPECT_GT(read.weight[0], 0);
+    EXPECT_EQ(read.atLeast[8 * kWidth + 12], 7);
+    EXPECT_EQ(read.weight[8 * kWidth + 12], 0);
+    EXPECT_NEAR(read.radiance.at(12, 8), std::log(1 / 0.4), 1e-4);
+    EXPECT_EQ(read.atLeast[8 * kWidth + 13], 0) << "both are saturated";
+    EXPECT_NEAR(read.litBackgroundSaturated, 1.0 / (kWidth * kHeight - 1), 1e-6);
+  };
+  expectBound();
+  json["cameras"][0].erase("background");
+  json["empty_frames"] = {1, 2, 3};
+  for (const int frame : {1, 2, 3})
+    ASSERT_TRUE(ok(writeMap(folder / fmt::format("p_{:04d}.png", frame), frame < 3 ? lamp : seen)));
+  expectBound();
 }
 
 TEST_F(CaptureImagesTest, BackgroundsThatDriftAreFollowed) {
@@ -430,6 +518,16 @@ TEST_F(CaptureImagesTest, MasksTakePixelsOut) {
   EXPECT_EQ(read.weight[8 * kWidth + 12], 0);
   EXPECT_EQ(read.radiance.at(12, 8), 0);
   EXPECT_NEAR(read.maskedShare, 1.0 / (kWidth * kHeight), 1e-12);
+  Image alpha = picture(1, 1);
+  for (int y = 0; y < kHeight; ++y)
+    for (int x = kWidth / 2; x < kWidth; ++x) alpha.at(x, y) = 0;
+  std::filesystem::remove(folder / "mask.png");
+  ASSERT_TRUE(ok(writePngWithAlpha(folder / "mask.png", picture(1), alpha)));
+  ASSERT_VALUE(const auto half, readPicture(1, 4));
+  EXPECT_EQ(half.maskedShare, 0.5);
+  EXPECT_EQ(half.transparentMask, 0.5);
+  EXPECT_EQ(half.weight[kWidth / 2], 0);
+  EXPECT_EQ(half.weight[3], 1);
   write("mask.png", picture(0, 1));
   EXPECT_TRUE(failsWith(readPicture(1, 4), "camera b, mask"));
 }

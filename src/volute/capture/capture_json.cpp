@@ -95,9 +95,9 @@ auto within(double most, const char* unit) {
   };
 }
 
-/// Bits of the values in files of 16 bits.
+/// Bits of the values in files of 16 or 32 bits.
 Result<int> readBits(const JsonValue& value) {
-  constexpr int kMin = 8, kMax = 16;
+  constexpr int kMin = 8, kMax = 32;
   VOLUTE_ASSIGN(const int bits, value.integer());
   if (bits < kMin || bits > kMax)
     return value.fault(fmt::format("is {}; expected {} to {} bits", bits, kMin, kMax));
@@ -254,8 +254,7 @@ class CameraReader {
       VOLUTE_ASSIGN(pictures.gain, readPositive(*gain));
     }
     if (const auto exposure = value_.find("exposure")) {
-      VOLUTE_ASSIGN(const double light, readPositive(*exposure));
-      pictures.gain /= light;
+      VOLUTE_ASSIGN(pictures.exposure, readPositive(*exposure));
     }
     if (const auto exponent = value_.find("exponent")) {
       constexpr double kMin = 0.1, kMax = 10;

@@ -263,7 +263,7 @@ TEST(CaptureJson, GainsSpectraAndExposuresAreReadWrittenAndRefused) {
   json["spectrum"] = {{"sensitivities", "rgb.csv"}, {"black_body", body}, {"soot_exponent", 1.2}};
   ASSERT_VALUE(const auto capture, openJson(folder, json));
   EXPECT_TRUE((capture.cameras[0].pictures.channelGain == Rgb(1.1, 1, 0.9)).all());
-  EXPECT_EQ(capture.cameras[1].pictures.gain, 0.5);
+  EXPECT_EQ(capture.cameras[1].pictures.lightGain(), 0.5);
   EXPECT_TRUE(capture.spectrum.blackBody(1800).isApprox(Rgb(0.8, 0.3, 0.05), 1e-12));
   EXPECT_EQ(capture.spectrum.sootExponent, 1.2);
   // Its own rows, or one wavelength a channel.
@@ -288,8 +288,22 @@ TEST(CaptureJson, GainsSpectraAndExposuresAreReadWrittenAndRefused) {
           "a channel sees no light");
   refused({{"sensitivities", {{600, 1, 1, 1}, {500, 1, 1, 1}}}, {"radiance_scale", 1}},
           "do not ascend at 500 nm");
+  const nlohmann::json bad{{"sensitivities", "bad.csv"}, {"radiance_scale", 1}};
   testing::writeText(folder / "bad.csv", "nm,r,g,b\n450,0,0\n");
-  refused({{"sensitivities", "bad.csv"}, {"radiance_scale", 1}}, "bad.csv:2: expected wavelength");
+  refused(bad, "bad.csv: line 2: 3 columns; expected 4");
+  testing::writeText(folder / "bad.csv", "nm,r,g,x\n450,0,0,1\n");
+  refused(bad, "bad.csv: line 1: unknown column 'x'");
+  // Columns go by their names; without names by their order.
+  for (const char* text : {"wavelength [um],Blue,green,R\n.45,1,0,0\n.5,.5,.5,0\n.55,0,1,0\n"
+                           ".6,0,.2,1\n.65,0,0,.5\n",
+                           "450 0 0 1\n500 0 .5 .5\n550 0 1 0\n600 1 .2 0\n650 .5 0 0\n"}) {
+    testing::writeText(folder / "other.csv", text);
+    json["spectrum"] = {
+        {"sensitivities", "other.csv"}, {"black_body", body}, {"soot_exponent", 1.2}};
+    ASSERT_VALUE(const auto named, openJson(folder, json));
+    EXPECT_TRUE(
+        named.spectrum.sootEmission(1600).isApprox(capture.spectrum.sootEmission(1600), 1e-9));
+  }
   refused({{"sensitivities", "none.csv"}, {"radiance_scale", 1}}, "none.csv");
   json.erase("spectrum");
   json["cameras"][0]["gain"] = {1, 0, 1};

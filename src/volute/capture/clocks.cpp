@@ -14,7 +14,6 @@
 namespace volute {
 namespace {
 
-constexpr double kUsualRate = 25;
 constexpr int kMaxPictures = 1 << 24;  // of a film
 
 bool sameRate(double a, double b) {
@@ -32,46 +31,76 @@ std::optional<double> rateOf(const CameraDraft& camera, std::uint64_t maxMemory)
   return film->info().framesPerSecond;
 }
 
-/// The rates of films that say other ones than each other become those of their cameras.
+/// From the slowest to the fastest.
+struct RateRange {
+  double slowest = std::numeric_limits<double>::infinity(), fastest = 0;
+
+  void add(double rate) {
+    slowest = std::min(slowest, rate);
+    fastest = std::max(fastest, rate);
+  }
+
+  bool alike() const { return sameRate(slowest, fastest); }
+};
+
+/// The rates of films that say other ones than each other become those of their cameras. What is
+/// stated counts, and is remarked on where films say otherwise.
 void takeRatesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
-  const bool stated = std::ranges::any_of(
-      draft.cameras, [](const CameraDraft& camera) { return camera.framesPerSecond.has_value(); });
-  const bool films = std::ranges::any_of(
-      draft.cameras, [](const CameraDraft& camera) { return !camera.pictures.video.empty(); });
-  if (stated || !films)
-    return;
-  std::vector<std::optional<double>> rates;
-  std::optional<double> slowest, fastest;
+  std::vector<std::optional<double>> own;
+  RateRange films, taken;  // as the films say; with what cameras state
+  bool anyStated = false;
+  std::vector<std::string> contradicted, texts;
   for (const CameraDraft& camera : draft.cameras) {
-    const auto rate = rates.emplace_back(rateOf(camera, maxMemory));
-    if (!rate)
+    const auto said = own.emplace_back(rateOf(camera, maxMemory));
+    if (!said)
       continue;
-    slowest = std::min(slowest.value_or(*rate), *rate);
-    fastest = std::max(fastest.value_or(*rate), *rate);
+    const double rate = camera.framesPerSecond.value_or(*said);
+    films.add(*said), taken.add(rate);
+    anyStated = anyStated || camera.framesPerSecond;
+    if (!sameRate(rate, *said))
+      contradicted.push_back(fmt::format("{} {:g}, its film {:g}", camera.name, rate, *said));
   }
-  if (!slowest || !fastest)
+  if (taken.fastest == 0)
     return;
-  if (sameRate(*slowest, *fastest)) {
-    if (!draft.framesPerSecond) {
-      draft.framesPerSecond = slowest;
-      draft.remarks.push_back(fmt::format("{:g} frames a second, as the films say", *slowest));
-    }
+  if (!contradicted.empty())
+    draft.remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("cameras state other rates than their films, which count: {} pictures a second",
+                    fmt::join(contradicted, "; ")));
+  const bool stated = draft.framesPerSecond.has_value();
+  const double rate = draft.framesPerSecond.value_or(taken.slowest);
+  draft.framesPerSecond = rate;
+  if (stated && films.alike()) {
+    if (!anyStated && !sameRate(films.slowest, rate))
+      draft.remarks.emplace_back(
+          RemarkCode::kDoubtful,
+          fmt::format(
+              "the films say {:g} pictures a second, and {:g} frames a second are stated, which "
+              "counts: "
+              "each picture is taken as a frame; unless that is slow motion, state the cameras' "
+              "rates",
+              films.slowest, rate));
     return;
   }
-  if (!draft.framesPerSecond)
-    draft.framesPerSecond = slowest;
-  std::vector<std::string> texts;
-  for (std::size_t i = 0; i < rates.size(); ++i) {
-    if (!rates[i])
+  if (taken.alike()) {
+    draft.remarks.push_back(
+        fmt::format("{:g} frames a second, as the {} say", rate, anyStated ? "cameras" : "films"));
+    return;
+  }
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (!own[i])
       continue;
-    draft.cameras[i].framesPerSecond = rates[i];
-    // NOLINTNEXTLINE(bugprone-unchecked-optional-access): asked for above
-    texts.push_back(fmt::format("{} {:g}", draft.cameras[i].name, *rates[i]));
+    auto& of = draft.cameras[i].framesPerSecond;
+    if (!of)
+      of = own[i];
+    texts.push_back(fmt::format("{} {:g}", draft.cameras[i].name, *of));
   }
-  draft.remarks.push_back(fmt::format(
-      "films have different rates, which were taken: {} pictures a second, of which the "
-      "capture's {:g} frames a second are made",
-      fmt::join(texts, ", "), *draft.framesPerSecond));
+  draft.remarks.emplace_back(
+      RemarkCode::kAssumed,
+      fmt::format(
+          "films have different rates, which were taken: {} pictures a second, of which the "
+          "capture's {:g} frames a second are made",
+          fmt::join(texts, ", "), rate));
 }
 
 /// What a film says of its pictures that a person should know.
@@ -177,6 +206,11 @@ PicturePlace PictureSource::placeOf(int frame) const {
   return {static_cast<int>(before), place - before};
 }
 
+std::string framesBeforeZero(int first) {
+  return fmt::format("{} before 0 and left out: state start times so that all are from 0 on",
+                     first == -1 ? "frame -1 is" : fmt::format("frames {} to -1 are", first));
+}
+
 Result<int> picturesOfFilm(const PictureSource& pictures, std::uint64_t maxMemory) {
   if (pictures.filmPictures > 0)
     return pictures.filmPictures;
@@ -187,7 +221,7 @@ Result<int> picturesOfFilm(const PictureSource& pictures, std::uint64_t maxMemor
 
 void settleClocks(CaptureDraft& draft, std::uint64_t maxMemory) {
   takeRatesOfFilms(draft, maxMemory);
-  const double rate = draft.framesPerSecond.value_or(kUsualRate);
+  const double rate = draft.framesPerSecond.value_or(kUnstatedRate);
   for (CameraDraft& camera : draft.cameras) {
     takeTimesOfFilm(camera, camera.framesPerSecond.value_or(rate), draft.remarks, maxMemory);
     if (camera.framesPerSecond)
@@ -210,16 +244,16 @@ Result<std::vector<int>> framesOfFilms(CaptureDraft& draft, std::uint64_t maxMem
                   count.error().message);
     const double begin = pictures.videoStart - pictures.frameShift;
     const double end = begin + pictures.placeInFilm(*count - 1) / pictures.rate;
-    firstOfAny = std::min(firstOfAny, std::max(begin, 0.0)), lastOfAny = std::max(lastOfAny, end);
+    firstOfAny = std::min(firstOfAny, begin), lastOfAny = std::max(lastOfAny, end);
     if (!latest || begin > first)
-      latest = &camera, first = std::max(begin, 0.0);
+      latest = &camera, first = begin;
     if (!earliest || end < last)
       earliest = &camera, last = end;
   }
   constexpr double kRounding = 1e-6;
   std::vector<int> frames;
-  for (int n = static_cast<int>(std::ceil(first - kRounding)); n <= last + kRounding; ++n)
-    frames.push_back(n);
+  const int begin = static_cast<int>(std::ceil(first - kRounding));
+  for (int n = std::max(begin, 0); n <= last + kRounding; ++n) frames.push_back(n);
   if (frames.empty()) {
     return fail(
         ErrorCode::kInvalidArgument,
@@ -235,7 +269,9 @@ Result<std::vector<int>> framesOfFilms(CaptureDraft& draft, std::uint64_t maxMem
                     "comes after is left out",
                     earliest->name, last, lastOfAny));
   }
-  if (first - firstOfAny >= 1) {
+  if (begin < 0)
+    draft.remarks.emplace_back(RemarkCode::kLeftOut, framesBeforeZero(begin));
+  if (std::max(first, 0.0) - firstOfAny >= 1 && begin >= 0) {
     draft.remarks.emplace_back(
         RemarkCode::kLeftOut,
         fmt::format("camera {}: its film begins with frame {:.0f}, others with frame {:.0f}: what "

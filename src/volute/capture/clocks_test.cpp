@@ -204,6 +204,74 @@ TEST_F(ClocksTest, RatesOfFilmsThatAgreeAreThoseOfTheCapture) {
   ASSERT_VALUE(const auto slow, opened(stated));
   EXPECT_EQ(slow.framesPerSecond, 240);
   EXPECT_EQ(slow.cameras[0].pictures.rate, 1);
+  EXPECT_THAT(slow.remarks,
+              ::testing::Contains(HasSubstr("the films say 29.97 pictures a second")));
+  stated.erase("frames_per_second");  // one of them alone
+  stated["cameras"][0]["frames_per_second"] = 30;
+  ASSERT_VALUE(const auto same, opened(stated));
+  EXPECT_NEAR(same.framesPerSecond, 30, 0.05);
+  EXPECT_EQ(same.cameras[1].pictures.rate, 1);
+}
+
+TEST_F(ClocksTest, FilmsKeepTheirRatesBesideOneThatIsStated) {
+  if (!writeFilm("a.mp4", 0, 25, 12) || !writeFilm("b.mp4", 0, 50, 20))
+    GTEST_SKIP() << "built without films";
+  auto json = captureOf("a.mp4", "b.mp4");
+  json["cameras"][0]["frames_per_second"] = 25;
+  ASSERT_VALUE(const auto capture, opened(json));
+  EXPECT_EQ(capture.framesPerSecond, 25);
+  EXPECT_EQ(capture.cameras[1].pictures.rate, 2);
+  EXPECT_LT(offBy(capture), kCoding);
+  EXPECT_THAT(capture.remarks, ::testing::Not(::testing::Contains(HasSubstr("state other rates"))));
+  json["cameras"][0]["frames_per_second"] = 100;  // slow motion
+  ASSERT_VALUE(const auto slow, opened(json));
+  EXPECT_EQ(slow.cameras[0].pictures.rate, 2 * slow.cameras[1].pictures.rate);
+  EXPECT_THAT(slow.remarks,
+              ::testing::Contains(HasSubstr("which count: a 100, its film 25 pictures a second")));
+}
+
+TEST_F(ClocksTest, FramesBeforeZeroAreTold) {
+  for (int number = 0; number < 5; ++number) {
+    for (const char* name : {"a", "b"})
+      ASSERT_TRUE(
+          ok(writeImage(folder_ / fmt::format("{}_{}.exr", name, number), Image(kWidth, kHeight))));
+  }
+  auto json = captureOf("", "");
+  for (std::size_t i = 0; i < 2; ++i) {
+    json["cameras"][i].erase("video");
+    json["cameras"][i]["image"] = i == 0 ? "a_%d.exr" : "b_%d.exr";
+  }
+  ASSERT_VALUE(const auto plain, opened(json));
+  EXPECT_THAT(plain.remarks, ::testing::Contains(HasSubstr("no rate is stated: 25 frames")));
+  EXPECT_EQ(plain.frames.size(), 5U);
+  json["frames_per_second"] = 25;
+  for (std::size_t i = 0; i < 2; ++i) json["cameras"][i]["start_time"] = -0.08;
+  ASSERT_VALUE(const auto early, opened(json));
+  EXPECT_THAT(early.frames, ElementsAre(0, 1, 2));
+  EXPECT_THAT(early.remarks, ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
+  if (!writeFilm("a.mp4", 0, 25, 5) || !writeFilm("b.mp4", 0, 25, 5))
+    GTEST_SKIP() << "built without films";
+  json = captureOf("a.mp4", "b.mp4");
+  for (std::size_t i = 0; i < 2; ++i) json["cameras"][i]["video_start"] = -2;
+  ASSERT_VALUE(const auto films, opened(json));
+  EXPECT_THAT(films.frames, ElementsAre(0, 1, 2));
+  EXPECT_THAT(films.remarks, ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
+}
+
+TEST_F(ClocksTest, TheOrderOfCamerasDoesNotMoveTime) {
+  if (!writeFilm("a.mp4", 0, 25, 6))
+    GTEST_SKIP() << "built without films";
+  for (const int number : {3, 4})
+    ASSERT_TRUE(ok(writeImage(folder_ / fmt::format("b_{}.exr", number), Image(kWidth, kHeight))));
+  auto json = captureOf("a.mp4", "");
+  json["cameras"][1].erase("video");
+  json["cameras"][1]["image"] = "b_%d.exr";
+  ASSERT_VALUE(const auto film, opened(json));
+  std::swap(json["cameras"][0], json["cameras"][1]);
+  ASSERT_VALUE(const auto files, opened(json));
+  EXPECT_EQ(film.frames, files.frames);
+  EXPECT_EQ(film.firstFrame, 0);
+  EXPECT_EQ(files.firstFrame, 0);
 }
 
 TEST_F(ClocksTest, TellsWhatIsWrong) {

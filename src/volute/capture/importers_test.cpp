@@ -259,7 +259,8 @@ TEST_F(Importers, NerfKeysThatAreNotKnownAreRemarkedOn) {
   EXPECT_THAT(sentences(capture.remarks),
               ElementsAre(HasSubstr("NeRF transforms"), HasSubstr("are taken as metres"),
                           "distortion is not known and ignored",
-                          "frames[0].mask_path is not known and ignored, as in 2 more entries"));
+                          "frames[0].mask_path is not known and ignored, as in 2 more entries",
+                          HasSubstr("25 frames a second are assumed")));
 }
 
 TEST_F(Importers, NerfPicturesAreFoundAsWindowsNamesThem) {
@@ -396,7 +397,8 @@ TEST_F(Importers, NerfPositionsThatToolsMovedAreRemarkedOn) {
   writeText(folder / "transforms.json", json.dump());
   ASSERT_VALUE(const auto as, openCapture(folder / "transforms.json", options));
   EXPECT_THAT(sentences(as.remarks),
-              ElementsAre(HasSubstr("NeRF"), HasSubstr("are taken as metres")));
+              ElementsAre(HasSubstr("NeRF"), HasSubstr("are taken as metres"),
+                          HasSubstr("25 frames a second")));
   json["camera_model"] = "PINHOLE";
   json["k1"] = 0.1;
   json["aabb"] = {{-1, -1, -1}, {1, 1, 1}};
@@ -413,7 +415,8 @@ TEST_F(Importers, NerfPositionsThatToolsMovedAreRemarkedOn) {
   ASSERT_VALUE(const auto moved, openCapture(folder / "transforms.json", options));
   EXPECT_THAT(sentences(moved.remarks),
               ElementsAre(HasSubstr("NeRF"), HasSubstr("scaled by 0.25 from what was measured"),
-                          HasSubstr("turned or moved"), HasSubstr("are not applied")));
+                          HasSubstr("turned or moved"), HasSubstr("are not applied"),
+                          HasSubstr("25 frames a second")));
   json["applied_scale"] = 0;
   writeText(folder / "transforms.json", json.dump());
   EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options), "applied_scale: is 0"));
@@ -578,6 +581,20 @@ TEST_F(Importers, ColmapModelsByHalves) {
   EXPECT_TRUE(failsWith(openCapture(text, options), "only cameras.txt and images.bin are there"));
   std::filesystem::copy(bin / "cameras.bin", text / "cameras.bin");
   expectOurs(text, "COLMAP");
+  // A folder with both says which are read, and a file that is named says which.
+  std::filesystem::rename(folder / "images.txt", text / "images.txt");
+  writeText(text / "cameras.txt",
+            "1 PINHOLE 24 16 30 30 12 8\n2 PINHOLE 24 16 30 30 12 8\n3 PINHOLE 24 16 30 30 12 8\n");
+  const auto focal = [&](const std::filesystem::path& path) {
+    return openCapture(path, options).value().cameras[0].camera.intrinsics()(0, 0);
+  };
+  expectOurs(text / "images.bin", "COLMAP");
+  EXPECT_EQ(focal(text / "cameras.txt"), 30);
+  EXPECT_EQ(focal(text), 30);
+  const auto both = openCapture(text, options);
+  EXPECT_TRUE(std::ranges::any_of(both->remarks, [](const std::string& remark) {
+    return remark.find("as .txt and as .bin, and the .txt were read") != remark.npos;
+  }));
   std::string cameras = testing::readBytes(bin / "cameras.bin");
   cameras[12] = 40;
   writeText(bin / "cameras.bin", cameras);
@@ -806,7 +823,8 @@ TEST_F(Importers, OpenCvNamesThatNoCameraUsesAreRemarkedOn) {
   writeText(folder / "c.yml", fmt::format("%YAML:1.0\n---\n{}", fmt::join(entries, "")));
   ASSERT_VALUE(const auto capture, openCapture(folder / "c.yml", options));
   EXPECT_THAT(sentences(capture.remarks),
-              ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error, units"));
+              ElementsAre(HasSubstr("OpenCV"), "no camera uses D_aa, error, units",
+                          HasSubstr("25 frames a second")));
 }
 
 std::string xmlMatrix(const std::string& name, const Eigen::MatrixXd& m) {

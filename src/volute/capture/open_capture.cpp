@@ -62,7 +62,7 @@ Result<CaptureDraft> readDraft(const std::filesystem::path& file, std::uint64_t 
   if (extension == ".yml" || extension == ".yaml" || extension == ".xml")
     return readOpenCv(file);
   if (extension == ".txt" || extension == ".bin")
-    return readColmap(file.parent_path(), maxMemory);
+    return readColmap(file, maxMemory);
   return fail(ErrorCode::kUnsupported,
               "{}: not a known kind of calibration; expected capture.json, transforms.json, a "
               "COLMAP model's folder, or OpenCV's .yml or .xml",
@@ -190,18 +190,25 @@ std::vector<int> framesShown(const PictureSource& pictures, const std::set<int>&
 
 /// The frames of which any camera has a picture, by their clocks. kInvalidData for a camera whose
 /// numbers are those of no other: it counts from elsewhere.
-Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file, const CaptureDraft& draft,
+Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file, CaptureDraft& draft,
                                        FolderFiles& folders) {
   std::map<int, int> seen;  // how many cameras see a frame
+  int earliest = 0;
   std::vector<std::vector<int>> own;
   for (const CameraDraft& camera : draft.cameras) {
     const auto numbers = camera.pictures.numbersThere(folders);
     const bool one = !namesSeries(camera.pictures.image) && camera.pictures.pages == 1;
+    if (!one && !numbers.empty()) {  // clocks that are wrong do not enter
+      const double begin = numbers.front() / camera.pictures.rate + camera.pictures.videoStart;
+      earliest = std::min(earliest, static_cast<int>(std::ceil(std::max(begin, -1e9) - 1e-6)));
+    }
     own.push_back(
         one ? numbers
             : framesShown(camera.pictures, std::set<int>(numbers.begin(), numbers.end())));
     for (const int frame : own.back()) ++seen[frame];
   }
+  if (earliest < 0)
+    draft.remarks.emplace_back(RemarkCode::kLeftOut, framesBeforeZero(earliest));
   for (std::size_t i = 0; i < own.size(); ++i) {
     const bool alone =
         !own[i].empty() && std::ranges::all_of(own[i], [&](int frame) { return seen[frame] == 1; });
@@ -249,6 +256,40 @@ class SharedRemarks {
   std::map<std::pair<std::string, RemarkCode>, std::vector<std::string>> names_;
 };
 
+/// Whether a picture states a curve that clearly differs from that which counts.
+Result<bool> contradicts(const PictureKind& kind, const std::optional<Response>& response) {
+  constexpr double kClearly = 0.02;  // of white; sRGB's curve and 2.2 differ by 0.008
+  constexpr int kPlaces = 16;
+  if (kind.stated.empty() || !response)
+    return false;
+  Response stated = Response::srgb();
+  if (kind.curve) {
+    VOLUTE_ASSIGN(stated, Response::table(*kind.curve));
+  }
+  double most = 0;
+  for (int i = 1; i < kPlaces; ++i) {
+    const double at = static_cast<double>(i) / kPlaces;
+    most = std::max(most, std::abs(stated.linear(at) - response->linear(at)));
+  }
+  return most > kClearly;
+}
+
+/// Members that count stored values: against what a picture can hold.
+Status checkStoredSize(const CameraDraft& camera, const PictureKind& kind, SharedRemarks& remarks) {
+  const PictureSource& pictures = camera.pictures;
+  if (pictures.saturation.value_or(0) > 1 && !kind.linear)
+    return fail(ErrorCode::kInvalidData,
+                "camera {}: its \"saturation\" is {:g}; expected a stored value up to 1 = white: "
+                "250 of 255 is 0.98",
+                camera.name, *pictures.saturation);
+  if (pictures.bits != 0 && !kind.linear && kind.largest > 0 &&
+      kind.largest < std::ldexp(1.0, pictures.bits) - 1)
+    remarks.add(camera.name, RemarkCode::kLeftOut,
+                fmt::format("\"bits\": {} has no effect: pictures hold values up to {:.0f}",
+                            pictures.bits, kind.largest));
+  return {};
+}
+
 /// What the first whole picture of each camera says of all of them. What is wrong with others is
 /// told when they are read.
 Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t maxMemory) {
@@ -261,6 +302,8 @@ Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t ma
       pictures.video.clear();
     }
     const auto numbers = pictures.numbersThere(folders);
+    if (!pictures.video.empty())
+      VOLUTE_TRY(checkStoredSize(camera, {}, remarks));
     if (pictures.image.empty() || numbers.empty())
       continue;
     auto path = pictures.fileOf(numbers.front());
@@ -274,14 +317,14 @@ Status completeKinds(CaptureDraft& draft, FolderFiles& folders, std::uint64_t ma
     pictures.linear = kind->linear;
     for (const Remark& remark : kind->remarks)
       remarks.add(camera.name, remark.code, remark.sentence);
-    const std::string color = pictures.response ? pictures.response->name() : "";
-    if (!kind->stated.empty() && !color.empty() && (color == "linear") != kind->statesLight) {
-      draft.remarks.emplace_back(
-          RemarkCode::kDoubtful,
-          fmt::format("camera {}: {} states {}, and the capture says that it is {}, which counts: "
-                      "are its values really stored so?",
-                      camera.name, path.filename().string(), kind->stated, color));
+    VOLUTE_ASSIGN(const bool other, contradicts(*kind, pictures.response));
+    if (other) {
+      remarks.add(camera.name, RemarkCode::kDoubtful,
+                  fmt::format("pictures state {}, and were said to be {}, which counts: are their "
+                              "values really stored so?",
+                              kind->stated, pictures.response->name()));
     }
+    VOLUTE_TRY(checkStoredSize(camera, *kind, remarks));
     if (kind->pages > 1 && namesSeries(pictures.image)) {
       return fail(
           ErrorCode::kInvalidData,
@@ -516,6 +559,10 @@ Result<CaptureDraft> openDraft(const std::filesystem::path& file, const CaptureO
   VOLUTE_TRY(checkNames(draft));
   VOLUTE_TRY(placePictures(draft, images));
   settleClocks(draft, options.maxMemory);
+  for (CameraDraft& camera : draft.cameras) {
+    if (options.response)
+      camera.pictures.response = *options.response;
+  }
   return draft;
 }
 
@@ -529,15 +576,12 @@ Result<Capture> makeCapture(const std::filesystem::path& file, CaptureDraft& dra
   if (draft.framesPerSecond)
     capture.framesPerSecond = *draft.framesPerSecond;
   capture.white = draft.white;
-  capture.noiseSigma = draft.noiseSigma;
+  capture.noiseSigma = options.noiseSigma ? options.noiseSigma : draft.noiseSigma;
   capture.emptyFrames = draft.emptyFrames;
   capture.lighting = draft.lighting;
   capture.spectrum = draft.spectrum;
-  for (CameraDraft& camera : draft.cameras) {
-    if (options.response)
-      camera.pictures.response = *options.response;
+  for (CameraDraft& camera : draft.cameras)
     VOLUTE_TRY(completeSize(camera, folders, options.maxMemory));
-  }
   remarkOnAngles(draft);
   capture.remarks = draft.remarks;
   capture.remarks.insert(capture.remarks.begin(), conventionText(draft));
@@ -625,11 +669,19 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
     remarkOnGaps(frames, draft.remarks);
   VOLUTE_TRY(checkNumbers(draft, all, frames));
   VOLUTE_ASSIGN(const auto volume, chooseVolume(file, draft, options));
+  if (!draft.framesPerSecond && frames.size() > 1)
+    draft.remarks.emplace_back(
+        RemarkCode::kAssumed,
+        fmt::format("no rate is stated: {} frames a second are assumed, by which times and speeds "
+                    "go",
+                    kUnstatedRate));
+  const bool clocked = std::ranges::any_of(draft.cameras, [](const CameraDraft& camera) {
+    return !camera.pictures.video.empty() || camera.pictures.videoStart != 0;
+  });
   VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, folders, options));
   capture.frames = std::move(frames);
-  // A film's frames are those that were asked for; its time begins with frame 0.
-  const bool stated = draft.frames || !capture.cameras.front().pictures.image.empty();
-  capture.firstFrame = stated ? all.front() : 0;
+  capture.statedFrames = draft.frames.value_or(std::vector<int>{});
+  capture.firstFrame = clocked ? 0 : all.front();
   capture.volume = volume;
   return capture;
 }
@@ -640,6 +692,7 @@ Result<Capture> openCalibration(const std::filesystem::path& file, const Capture
   FolderFiles folders;
   VOLUTE_ASSIGN(auto capture, makeCapture(file, draft, folders, options));
   capture.frames = draft.frames.value_or(std::vector<int>{});
+  capture.statedFrames = capture.frames;
   if (auto volume = chooseVolume(file, draft, options))
     capture.volume = *volume;
   return capture;

@@ -21,7 +21,8 @@ struct CaptureOptions {
   std::optional<Box3> bounds;         ///< outer voxel faces [m]
   /// Voxels on x, y, z. With zeros for y and z, x is for the longest side and voxels are cubes.
   std::optional<std::array<int, 3>> resolution;
-  std::optional<Response> response;                  ///< of .png files and films
+  std::optional<Response> response;                  ///< of pictures of integers and films
+  std::optional<double> noiseSigma;                  ///< see Capture::noiseSigma
   FrameRange frames;                                 ///< of those that there are
   std::uint64_t maxMemory = std::uint64_t{4} << 30;  ///< [bytes] for one picture
 };

@@ -14,14 +14,15 @@ namespace {
 
 constexpr int kLargest = 65535;  // of 16 bits
 
-bool isOfBytes(const Image& image) {
-  return std::ranges::all_of(image.pixels,
-                             [](float value) { return std::lround(value * kLargest) % 257 == 0; });
+bool isOfBytes(const Image& image, double largest) {
+  return largest <= kLargest && std::ranges::all_of(image.pixels, [](float value) {
+           return std::lround(value * kLargest) % 257 == 0;
+         });
 }
 
 }  // namespace
 
-std::optional<StoredPlateau> plateauOf(const Image& image) {
+std::optional<StoredPlateau> plateauOf(const Image& image, double largestOfFile) {
   constexpr std::size_t kFewest = 12, kTimes = 8, kFewestValues = 8;
   constexpr double kShare = 0.01, kLit = 0.05;
   if (image.pixels.empty())
@@ -30,6 +31,9 @@ std::optional<StoredPlateau> plateauOf(const Image& image) {
   if (!(largest > 0) || !(largest < 1 - 0.5F / kLargest))
     return std::nullopt;
   const auto channels = static_cast<std::size_t>(image.channels);
+  // Of more bits the picture's own range counts.
+  const double steps =
+      largestOfFile > kLargest ? kLargest / static_cast<double>(largest) : kLargest;
   std::vector<std::uint32_t> counts(kLargest + 1);
   std::size_t lit = 0, full = 0;
   for (std::size_t i = 0; i < image.pixels.size(); i += channels) {
@@ -37,11 +41,11 @@ std::optional<StoredPlateau> plateauOf(const Image& image) {
     lit += most > kLit * largest ? 1 : 0;
     full += most == largest ? 1 : 0;
     if (most < largest && most > 0.5F * largest)
-      ++counts[static_cast<std::size_t>(std::lround(most * kLargest))];
+      ++counts[static_cast<std::size_t>(std::lround(most * steps))];
   }
   // Of 8 bits only what is near white is likely to be a limit: 235 of 255 of films.
   constexpr float kNearWhite = 0.85F;
-  if (largest < kNearWhite && isOfBytes(image))
+  if (largest < kNearWhite && isOfBytes(image, largestOfFile))
     return std::nullopt;
   const auto values = static_cast<std::size_t>(
       std::ranges::count_if(counts, [](std::uint32_t count) { return count > 0; }));
@@ -53,17 +57,17 @@ std::optional<StoredPlateau> plateauOf(const Image& image) {
   return StoredPlateau{largest, static_cast<double>(full) / static_cast<double>(lit)};
 }
 
-int bitsHolding(const Image& image) {
-  if (image.pixels.empty() || isOfBytes(image))
+int bitsHolding(const Image& image, double largest) {
+  if (image.pixels.empty() || largest < kLargest || isOfBytes(image, largest))
     return 0;
-  const auto most = std::lround(*std::ranges::max_element(image.pixels) * kLargest);
-  return std::bit_width(static_cast<std::uint32_t>(std::max(most, 0L)));
+  const auto most = std::llround(*std::ranges::max_element(image.pixels) * largest);
+  return std::bit_width(static_cast<std::uint64_t>(std::max(most, 0LL)));
 }
 
-std::optional<int> bitsOf(double value) {
-  const auto stored = std::lround(value * kLargest);
-  for (const int bits : {9, 10, 11, 12, 13, 14, 15}) {
-    if (stored == (1L << bits) - 1)
+std::optional<int> bitsOf(double value, double largest) {
+  const auto stored = std::llround(value * largest);
+  for (int bits = 9; std::ldexp(1.0, bits) - 1 < largest; ++bits) {
+    if (stored == (1LL << bits) - 1)
       return bits;
   }
   return std::nullopt;

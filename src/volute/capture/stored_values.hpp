@@ -12,7 +12,7 @@ namespace volute {
 
 /// Many pixels that read one largest value, which is less than a file can hold.
 struct StoredPlateau {
-  double value = 0;  ///< of 1 = the most that a file can hold
+  double value = 0;  ///< of 1 = the largest that a file can hold
   double share = 0;  ///< of the lit pixels, those that read it in any channel
 };
 
@@ -20,16 +20,17 @@ struct StoredPlateau {
 /// hundredth of the lit pixels and a dozen read the largest value, eight times as many as other
 /// values above its half do on average. Nothing for a largest value of 1, and for pictures of few
 /// values.
-/// @param image  values as stored, whole numbers / 65535.
-std::optional<StoredPlateau> plateauOf(const Image& image);
+/// @param image  values as stored, whole numbers / `largest`.
+std::optional<StoredPlateau> plateauOf(const Image& image, double largest = 65535);
 
 /// The bits that make a value the largest: 12 for 4095 / 65535; nothing for other values.
-std::optional<int> bitsOf(double value);
+/// @param value  whole number / `largest`
+std::optional<int> bitsOf(double value, double largest = 65535);
 
-/// The fewest bits that hold all values of a picture whose file could hold 16; 0 for a black one,
-/// and for one of 8 bits.
-/// @param image  values as stored, whole numbers / 65535.
-int bitsHolding(const Image& image);
+/// The fewest bits that hold all values of a picture whose file could hold 16 or more; 0 for a
+/// black one, and for one of less.
+/// @param image  values as stored, whole numbers / `largest`.
+int bitsHolding(const Image& image, double largest = 65535);
 
 /// Whether the brightness of a grey picture goes by the place in blocks of 2 x 2 pixels: the mosaic
 /// of a colour camera that was not made into colours.

@@ -35,6 +35,13 @@ TEST(StoredValues, PlateausAreWhereManyPixelsReadTheLargestValue) {
     EXPECT_GT(plateau->share, 0.3);
     EXPECT_FALSE(plateauOf(ramp(limit, limit + 100)).has_value()) << limit;
   }
+  Image words = ramp(2 * 4095, 4095);  // the same values in a file of 32 bits
+  constexpr double kWord = 4294967295.0;
+  for (float& value : words.pixels) value = static_cast<float>(value * (65535 / kWord));
+  const auto inWords = plateauOf(words, kWord);
+  ASSERT_TRUE(inWords.has_value());
+  EXPECT_EQ(bitsOf(inWords->value, kWord), 12);
+  EXPECT_EQ(bitsHolding(words, kWord), 12);
   const auto other = plateauOf(ramp(9000, 5000));
   ASSERT_TRUE(other.has_value());
   EXPECT_FALSE(bitsOf(other->value).has_value());

@@ -91,6 +91,8 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["gain"] = jsonOf(Vec3((pictures.gain * pictures.channelGain).matrix()));
   else if (pictures.gain != 1)
     json["gain"] = pictures.gain;
+  if (pictures.exposure != 1)
+    json["exposure"] = pictures.exposure;
   if (pictures.exponent != 1)
     json["exponent"] = pictures.exponent;
   if (pictures.response)
@@ -119,7 +121,8 @@ Status writeCapture(const std::filesystem::path& file, const Capture& capture) {
   if (capture.measured == Measured::kAbsorption)
     json["kind"] = "absorption";
   json["frames_per_second"] = capture.framesPerSecond;
-  json["frames"] = capture.frames;
+  if (!capture.statedFrames.empty())
+    json["frames"] = capture.statedFrames;  // also those that were not chosen
   json["volume"] = {{"min", jsonOf(capture.volume.bounds.min)},
                     {"max", jsonOf(capture.volume.bounds.max)},
                     {"resolution", capture.volume.resolution}};

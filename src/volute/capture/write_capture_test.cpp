@@ -29,6 +29,7 @@ TEST(WriteCapture, ReadsAsItWas) {
   files.image = (folder / "in" / "a_%04d.png").string();
   files.mask = folder / "in" / "mask.png";
   files.gain = 1.25;
+  files.exposure = 3;
   files.exponent = 1.08;
   files.videoStart = 7.5;
   files.response = Response::gamma(2.2);
@@ -64,6 +65,7 @@ TEST(WriteCapture, ReadsAsItWas) {
     EXPECT_EQ(is.camera.distortion(), was.camera.distortion());
     EXPECT_EQ(is.pictures.response, was.pictures.response);
     EXPECT_EQ(is.pictures.gain, was.pictures.gain);
+    EXPECT_EQ(is.pictures.exposure, was.pictures.exposure);
     EXPECT_EQ(is.pictures.exponent, was.pictures.exponent);
     EXPECT_EQ(is.reprojectionError, was.reprojectionError);
     EXPECT_EQ(is.pictures.saturation, was.pictures.saturation);
@@ -100,6 +102,25 @@ TEST(WriteCapture, PathsAreRightFromWhereTheFileStands) {
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(std::filesystem::weakly_canonical(read->cameras[0].pictures.image),
             std::filesystem::weakly_canonical(std::filesystem::absolute(files.image)));
+}
+
+TEST(WriteCapture, OfAPartHasAllFrames) {
+  const testing::TempFolder folder;
+  testing::writeRingPictures(folder);
+  auto json = testing::ringJson();
+  const auto again = [&] {
+    testing::writeText(folder / "capture.json", json.dump());
+    CaptureOptions options;
+    options.frames = {5, 6};
+    const auto part = openCapture(folder / "capture.json", options);
+    EXPECT_TRUE(writeCapture(folder / "refined.json", part.value()));
+    return openCapture(folder / "refined.json", {}).value();
+  };
+  EXPECT_EQ(again().frames, (std::vector{4, 5}));
+  EXPECT_EQ(again().firstFrame, 4);
+  json.erase("frames");
+  EXPECT_EQ(again().frames, (std::vector{4, 5}));
+  EXPECT_TRUE(again().statedFrames.empty());
 }
 
 TEST(WriteCapture, RefusesOrthographicCameras) {

@@ -387,17 +387,20 @@ Result<std::optional<std::vector<double>>> readPngCurve(const std::filesystem::p
   return color ? sampledCurve(*color, path) : std::optional<std::vector<double>>();
 }
 
-Result<std::string> readPngColorName(const std::filesystem::path& path) {
+Result<PngKind> readPngKind(const std::filesystem::path& path) {
   PngState state;
   state.headerOnly = true;
   VOLUTE_TRY(readPngFile(path, {}, state));
+  PngKind kind{state.channels, state.bits};
   if (state.codePoints)
-    return fmt::format("cICP {}, {}", (*state.codePoints)[0], (*state.codePoints)[1]);
-  if (state.srgb)
-    return "sRGB";
-  if (!state.profile.empty())
-    return "an ICC profile";
-  return state.gamma > 0 ? fmt::format("gAMA {:.4g}", state.gamma) : "";
+    kind.color = fmt::format("cICP {}, {}", (*state.codePoints)[0], (*state.codePoints)[1]);
+  else if (state.srgb)
+    kind.color = "sRGB";
+  else if (!state.profile.empty())
+    kind.color = "an ICC profile";
+  else if (state.gamma > 0)
+    kind.color = fmt::format("gAMA {:.4g}", state.gamma);
+  return kind;
 }
 
 Result<int> countPngPictures(const std::filesystem::path& path) {

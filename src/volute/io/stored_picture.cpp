@@ -91,8 +91,29 @@ class TiffFile {
     }
     picture.linear = info.bits == 0;
     picture.largest = picture.linear ? 1 : std::ldexp(1.0, info.bits) - 1;
-    VOLUTE_TRY(addCurve(picture, page));
+    if (!picture.linear) {
+      VOLUTE_ASSIGN(const auto color, stated(page, picture.image.channels));
+      if (color) {
+        VOLUTE_ASSIGN(picture.curve, sampledCurve(*color, path_));
+      }
+    }
     return picture;
+  }
+
+  Result<PictureKind> kind(int page) {
+    VOLUTE_ASSIGN(const StillInfo info, describe(page));
+    PictureKind kind{info.bits == 0, info.pages, info.channels - (info.alpha ? 1 : 0)};
+    if (kind.linear)
+      return kind;
+    kind.largest = std::ldexp(1.0, info.bits) - 1;
+    const auto color = stated(page, kind.channels);
+    if (!color || !*color)
+      return kind;
+    if (auto curve = sampledCurve(**color, path_)) {  // else it is told when the picture is read
+      kind.stated = "an ICC profile";
+      kind.curve = std::move(*curve);
+    }
+    return kind;
   }
 
  private:
@@ -100,19 +121,16 @@ class TiffFile {
     return process_->call(path_.string(), toMessage(StillRequest{what, page}), values, limits_);
   }
 
-  Status addCurve(StoredPicture& picture, int page) {
-    if (picture.linear)
-      return {};
+  /// By the ICC profile of integers; nothing where there is none.
+  Result<std::optional<StoredColor>> stated(int page, int channels) {
     VOLUTE_ASSIGN(const std::string profile, call(StillRequest::kProfile, page, 0));
     if (profile.empty())
-      return {};
-    const auto color =
-        colorOfProfile(std::as_bytes(std::span(profile)), picture.image.channels < 3);
+      return std::optional<StoredColor>();
+    auto color = colorOfProfile(std::as_bytes(std::span(profile)), channels < 3);
     if (!color)
       return fail(color.error().code, color.error().hints, "{}: {}; expected a picture in sRGB",
                   path_.string(), color.error().message);
-    VOLUTE_ASSIGN(picture.curve, sampledCurve(*color, path_));
-    return {};
+    return std::optional(std::move(*color));
   }
 
   std::filesystem::path path_;
@@ -216,6 +234,14 @@ Status readPnmText(std::string_view text, const PnmHeader& header, Image& image,
              ? Status()
              : fail(ErrorCode::kInvalidData, "{}: more values than its {} x {} pixels have", name,
                     header.width, header.height);
+}
+
+Result<PnmHeader> openPnmHeader(const std::filesystem::path& path) {
+  constexpr std::uint64_t kBytes = 1 << 16;  // with long comments
+  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
+  std::string front(std::min(file.size(), kBytes), '\0');
+  VOLUTE_TRY(file.read(0, std::as_writable_bytes(std::span(front))));
+  return readPnmHeader(front, path.string());
 }
 
 Result<StoredPicture> readPnm(const std::filesystem::path& path, std::uint64_t maxMemory) {
@@ -450,27 +476,30 @@ Result<StoredPicture> readStoredPicture(const std::filesystem::path& path, std::
     VOLUTE_ASSIGN(picture.there, pixelsThere(path, picture.image));
   } else {
     VOLUTE_ASSIGN(picture.curve, readStoredCurve(path));
+    VOLUTE_ASSIGN(const PngKind kind, readPngKind(path));
+    picture.largest = std::ldexp(1.0, kind.bits) - 1;
   }
   return picture;
 }
 
-Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t maxMemory) {
+Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t maxMemory,
+                                int page) {
   const std::string extension = extensionOf(path);
   if (isTiff(extension)) {
     VOLUTE_ASSIGN(auto file, TiffFile::open(path, maxMemory));
-    VOLUTE_ASSIGN(const StillInfo info, file.describe(0));
-    return PictureKind{info.bits == 0, info.pages};
+    return file.kind(page);
   }
   if (extension == ".npy") {
     VOLUTE_ASSIGN(const PictureArray array, openPictureArray(path));
-    return PictureKind{isFloat(array.header.type.kind)};
+    return PictureKind{isFloat(array.header.type.kind), 1, array.channels, array.largest};
   }
   if (extension == ".png") {
-    PictureKind kind;
-    VOLUTE_ASSIGN(kind.stated, readPngColorName(path));
-    // Curve 8 of H.273 is linear.
-    kind.statesLight = kind.stated == "gAMA 1" ||
-                       (kind.stated.starts_with("cICP") && kind.stated.ends_with(", 8"));
+    VOLUTE_ASSIGN(const PngKind png, readPngKind(path));
+    PictureKind kind{false, 1, png.channels, std::ldexp(1.0, png.bits) - 1};
+    if (auto curve = readStoredCurve(path)) {  // else it is told when the picture is read
+      kind.stated = png.color;
+      kind.curve = std::move(*curve);
+    }
     VOLUTE_ASSIGN(const int pictures, countPngPictures(path));
     if (pictures > 1)
       kind.remarks.emplace_back(
@@ -479,11 +508,23 @@ Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t
                       pictures));
     return kind;
   }
-  PictureKind kind{extension == ".exr" || extension == ".pfm"};
-  if (extension == ".pfm")
-    kind.remarks = remarksOfPfm(path);
-  if (extension == ".exr") {
-    VOLUTE_ASSIGN(kind.remarks, remarksOfExr(path));
+  if (isPnm(extension)) {
+    const auto header = openPnmHeader(path);
+    PictureKind kind = header ? PictureKind{header->floats, 1, header->channels, header->largest}
+                              : PictureKind{extension == ".pfm"};
+    if (extension == ".pfm")
+      kind.remarks = remarksOfPfm(path);
+    return kind;
+  }
+  PictureKind kind{extension == ".exr"};
+  if (!kind.linear)
+    return kind;
+  VOLUTE_ASSIGN(kind.remarks, remarksOfExr(path));
+  if (const auto info = readFrameInfo(path)) {
+    const auto has = [&](std::string_view name) {
+      return std::ranges::find(info->channels, name, &FrameChannel::own) != info->channels.end();
+    };
+    kind.channels = has("R") && has("G") && has("B") ? 3 : 1;
   }
   return kind;
 }

@@ -30,10 +30,14 @@ struct StoredPicture {
 
 /// What is known of pictures before they are decoded.
 struct PictureKind {
-  bool linear = false;       ///< floats
-  int pages = 1;             ///< pictures in the file: pages of a .tif
-  std::string stated{};      ///< how a .png says that it stores light: "sRGB", "gAMA 1"; or empty
-  bool statesLight = false;  ///< that is linear light
+  bool linear = false;   ///< floats
+  int pages = 1;         ///< pictures in the file: pages of a .tif
+  int channels = 0;      ///< 1 or 3; 0: that is not known
+  double largest = 0;    ///< the integer that is 1; 0: that is not known
+  std::string stated{};  ///< how a .png or .tif says that it stores light: "sRGB", "gAMA 1", "an
+                         ///< ICC profile"; empty: it does not
+  /// The light of evenly spaced stored values, where that is stated and another curve than sRGB's.
+  std::optional<std::vector<double>> curve{};
   std::vector<Remark> remarks{};  ///< what is not taken as the file says it
 };
 
@@ -45,7 +49,8 @@ struct PictureKind {
 [[nodiscard]] Result<StoredPicture> readStoredPicture(const std::filesystem::path& path,
                                                       std::uint64_t maxMemory, int page = 0);
 
+/// @param page  of a file with several pictures, from 0
 [[nodiscard]] Result<PictureKind> pictureKind(const std::filesystem::path& path,
-                                              std::uint64_t maxMemory);
+                                              std::uint64_t maxMemory, int page = 0);
 
 }  // namespace volute

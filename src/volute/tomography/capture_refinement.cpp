@@ -149,7 +149,7 @@ class Refiner {
     std::vector<double> white;  // none: depths follow no response
     for (const TomographyView& view : views) {
       if (!view.opticalDepth)
-        white.push_back(capture_.white * known(view.name).pictures.gain);
+        white.push_back(capture_.white * known(view.name).pictures.lightGain());
     }
     return findCaptureFaults(views, white, geometry(), progress_);
   }
@@ -467,7 +467,7 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
     const CameraCorrection correction = result.fit.corrections[v];
     PictureSource& pictures = camera.pictures;
     // pivot (light / pivot)^exponent, with light = white gain value^exponent.
-    const double exponent = correction.exponent(), white = capture.white * pictures.gain;
+    const double exponent = correction.exponent(), white = capture.white * pictures.lightGain();
     pictures.gain *= correction.gain() * std::pow(result.fit.pivot / white, 1 - exponent);
     pictures.exponent *= exponent;
     camera.pictures.frameShift += result.shifts[v];

@@ -89,7 +89,10 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->mosaic,
                picture->plateau,
                picture->bitsHolding,
-               picture->storedPedestal};
+               picture->storedPedestal,
+               picture->largest,
+               picture->litBackgroundSaturated,
+               picture->transparentMask};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));

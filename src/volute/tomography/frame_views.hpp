@@ -24,7 +24,10 @@ struct PictureFacts {
   bool mosaic = false;                     ///< see CameraPicture
   std::optional<StoredPlateau> plateau{};
   int bitsHolding = 0;
-  double pedestal = 0;  ///< a stored value
+  double pedestal = 0;                ///< a stored value
+  double largest = 65535;             ///< the integer that is 1 in its file
+  double litBackgroundSaturated = 0;  ///< of absorption: shares as CameraPicture has them
+  double transparentMask = 0;
 };
 
 /// All cameras at one frame, in the order of the capture.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "volute/capture/clocks.hpp"
 #include "volute/report/json.hpp"
 
 namespace volute {
@@ -60,17 +61,25 @@ void leaveOutBeside(LineFrame& frame, const VolumeGeometry& geometry, const std:
 }
 
 VolumeInfo infoOf(const LineFile& lines) {
-  constexpr double kFramesPerSecond = 25;
   VolumeInfo info;
   info.name = lines.opticalDepths ? "extinction" : "density";
   info.unit = lines.opticalDepths ? "1/m" : "";
   for (const LineFrame& frame : lines.frames) {
     info.frameNumbers.push_back(frame.number);
-    info.times.push_back(
-        lines.hasTimes ? frame.time : (frame.number - lines.frames[0].number) / kFramesPerSecond);
+    info.times.push_back(lines.hasTimes ? frame.time
+                                        : (frame.number - lines.frames[0].number) / kUnstatedRate);
   }
   info.frames = static_cast<int>(lines.frames.size());
   return info;
+}
+
+void remarkOnTimes(const LineFile& lines, const std::string& file, Progress& progress) {
+  if (lines.hasTimes || lines.frames.size() < 2)
+    return;
+  progress.remark(Remark(RemarkCode::kAssumed,
+                         fmt::format("{}: its frames have no times: {} frames a second are assumed",
+                                     file, kUnstatedRate))
+                      .in(file));
 }
 
 /// The frames that were asked for.
@@ -114,6 +123,7 @@ Result<LineVolumes> reconstructLineFrames(LineFile lines, const std::string& fil
   constexpr double kOften = 0.5, kUnexplained = 0.9;
   for (const std::string& remark : lines.remarks) progress.remark({RemarkCode::kAssumed, remark});
   VOLUTE_TRY(choose(lines, where.frames));
+  remarkOnTimes(lines, file, progress);
   VOLUTE_ASSIGN(const auto geometry, geometryOf(lines, where, file, progress));
   VOLUTE_TRY(checkSizes(lines, geometry, where.maxMemory));
   LineVolumes result;
@@ -155,7 +165,7 @@ Result<LineVolumes> reconstructLineFrames(LineFile lines, const std::string& fil
                               {"lambda", jsonNumber(found->lambda)},
                               {"iterations", found->iterations},
                               {"residual", jsonNumber(found->residual)},
-                              {"left_out", jsonNumber(found->leftOut)},
+                              {"left_out", how.lambda ? Json() : jsonNumber(found->leftOut)},
                               {"spread", lines.hasSigma ? jsonNumber(found->spread) : Json()},
                               {"crossed_share", jsonNumber(found->crossed)}});
     result.volumes.values.insert(result.volumes.values.end(), found->volume.begin(),

@@ -90,7 +90,6 @@ class SharedSentences {
 /// How a camera stores values, as far as that is not what its file seems to say.
 void checkStoring(const PictureFacts& facts, const std::string& camera, bool grey,
                   SharedSentences& warnings, SharedSentences& faults) {
-  constexpr double kLargestOfAFile = 65535;
   if (facts.mosaic)
     faults.add(
         "neighbouring pixels differ by their place in blocks of 2 x 2: the mosaic of a colour "
@@ -98,11 +97,11 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
         camera);
   if (facts.plateau) {
     const double value = facts.plateau->value;
-    const auto bits = bitsOf(value);
+    const auto bits = bitsOf(value, facts.largest);
     warnings.add(
         fmt::format("many pixels read {:.0f} of {:.0f}, the most in the picture, and are taken as "
                     "saturated: {}",
-                    value * kLargestOfAFile, kLargestOfAFile,
+                    value * facts.largest, facts.largest,
                     bits
                         ? fmt::format("are these {} bits? Then state \"bits\": {}; else state "
                                       "\"saturation\": {:.5g}",
@@ -128,25 +127,27 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
 /// Values of fewer bits than their files have look like short exposures: without a plateau nothing
 /// tells them apart, but 4 of 16 bits and more are hardly left empty on purpose.
 void checkBits(const FrameViews& views, PictureFindings& findings) {
-  constexpr double kLargestOfAFile = 65535;
-  constexpr int kFew = 12;
+  constexpr int kEmpty = 4;
   int bits = 0;
+  double largest = 0;
   for (const PictureFacts& facts : views.facts) {
     if (facts.missing)
       continue;
-    if (facts.bitsHolding == 0 || facts.bitsHolding > kFew || facts.plateau)
+    const int few = static_cast<int>(std::lround(std::log2(facts.largest))) - kEmpty;
+    if (facts.bitsHolding == 0 || facts.bitsHolding > few || facts.plateau)
       return;
     bits = std::max(bits, facts.bitsHolding);
+    largest = std::max(largest, facts.largest);
   }
   if (bits == 0)
     return;
-  bits = bits <= 10 ? 10 : kFew;
+  bits = std::max(bits + bits % 2, 10);  // as sensors have them
   const double most = std::ldexp(1.0, bits) - 1;
   findings.warnings.push_back(fmt::format(
       "frame {}: no picture reads more than {:.0f} of {:.0f}: are these {} bits? Then state "
       "\"bits\": {}, for light is taken as {:.0f} times too dark; else the exposures use little of "
       "their files",
-      views.frame, most, kLargestOfAFile, bits, bits, kLargestOfAFile / most));
+      views.frame, most, largest, bits, bits, largest / most));
 }
 
 double shareOf(std::size_t part, std::size_t whole) {
@@ -254,6 +255,19 @@ void checkOpaque(const PictureFacts& facts, const std::string& name, PictureFind
       "{}: {:.1f} % of the pixels let no light through: of their optical depth only a lower bound "
       "is known; a brighter background or a longer exposure tells more",
       name, 100 * facts.opaqueShare));
+}
+
+/// A background at white is brighter than that by nobody knows how much.
+void checkSaturatedBackground(const PictureFacts& facts, const std::string& name,
+                              PictureFindings& findings) {
+  constexpr double kWorthAWord = 0.001;
+  if (facts.litBackgroundSaturated <= kWorthAWord)
+    return;
+  findings.warnings.push_back(
+      fmt::format("{}: the background is saturated in {:.1f} % of the pixels that show less than "
+                  "that: of their "
+                  "optical depth only a lower bound is known; expose less",
+                  name, 100 * facts.litBackgroundSaturated));
 }
 
 /// Pixels that shine alone: ten times as bright as their neighbours, of which none is saturated,
@@ -376,7 +390,13 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
     checkBackground(counts[i], name, views.opticalDepth, findings);
     checkDrift(views.facts[i], name, findings);
     checkOpaque(views.facts[i], name, findings);
+    checkSaturatedBackground(views.facts[i], name, findings);
     checkPlace(views.views[i], counts[i], name, borders, findings);
+    if (views.facts[i].transparentMask > 0) {
+      findings.warnings.push_back(
+          fmt::format("{}: {:.1f} % of the pixels of its mask are transparent, and do not count",
+                      name, 100 * views.facts[i].transparentMask));
+    }
     if (views.facts[i].transparentShare > 0) {
       findings.warnings.push_back(fmt::format(
           "{}: {:.1f} % of the pixels are transparent; their colours are taken as multiplied by "

@@ -12,6 +12,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/cancel_only.hpp"
+#include "volute/capture/capture_check.hpp"
 #include "volute/report/json.hpp"
 #include "volute/tomography/common_shift.hpp"
 #include "volute/tomography/diagnostics.hpp"
@@ -132,7 +133,9 @@ Result<std::unique_ptr<ReconstructedFrames>> ReconstructedFrames::open(
 
 Status ReconstructedFrames::begin() {
   VOLUTE_ASSIGN(const FrameViews first, views_.read(capture_.frames.front()));
-  grey_ = first.grey() || settings_.singleScattering;
+  // A grey picture tells nothing of those after it.
+  grey_ = settings_.singleScattering ||
+          (first.grey() && isGrey(capture_, settings_.tomography.maxMemory));
   if (settings_.flame && grey_)
     return fail(ErrorCode::kInvalidData,
                 "{}: its pictures are grey; a temperature needs the colours of a flame",
@@ -641,6 +644,10 @@ Status ReconstructedFrames::solve(int index) {
   const auto findings =
       checkPictures(views, geometry(), settings_.tomography.noiseSigma, settings_.limits);
   VOLUTE_ASSIGN(auto warnings, examine(views, findings));
+  if (settings_.flame && views.grey() && !findings.dark)
+    return fail(ErrorCode::kInvalidData,
+                "frame {}: its pictures are grey; a temperature needs the colours of a flame",
+                number);
   Reconstruction result;
   std::vector<float> extinction;
   if (findings.dark) {

@@ -36,7 +36,7 @@ std::string describe(const CaptureCamera& known) {
                   digits(camera.eye()), lens.k1, lens.k2, lens.p1, lens.p2, lens.k3, pictures.gain,
                   pictures.videoStart, pictures.frameShift, pictures.saturation.value_or(-1),
                   pictures.response ? pictures.response->name() : "as the pictures state");
-  text += digits(pictures.channelGain);
+  text += digits(pictures.channelGain) + fmt::format("exposure {} ", pictures.exposure);
   text +=
       fmt::format("{} pictures a frame, exponent {}, error {}, {} bits, black {}\n", pictures.rate,
                   pictures.exponent, known.reprojectionError, pictures.bits, pictures.black);
@@ -62,9 +62,15 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
                   fmt::join(capture.volume.resolution, " "), capture.white);
   text +=
       fmt::format("{} {}\n", capture.measured == Measured::kAbsorption, fmt::join(heldOut, "/"));
+  // Of depths the noise of light tells what is dark.
+  text += fmt::format("noise {}, empty {}\n", capture.noiseSigma.value_or(0),
+                      fmt::join(capture.emptyFrames, " "));
   for (const CaptureCamera& camera : capture.cameras) {
     text += describe(camera);
-    for (const int frame : capture.emptyFrames) text += stateOf(camera.pictures.fileOf(frame));
+    PictureSource unshifted = camera.pictures;
+    unshifted.frameShift = 0;  // as empty frames are read
+    for (const int frame : capture.emptyFrames)
+      text += stateOf(unshifted.fileOf(unshifted.placeOf(frame).number));
   }
   if (settings.singleScattering) {
     for (const CaptureLamp& lamp : capture.lighting.lamps)

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "volute/io/testing.hpp"
+#include "volute/tomography/run_key.hpp"
 
 namespace volute {
 namespace {
@@ -111,6 +112,20 @@ TEST(WorkFolder, ManyRunsComeAndGo) {
   for (auto& run : runs) run.join();
   EXPECT_EQ(lost, 0);
   EXPECT_FALSE(std::filesystem::exists(folder / "x.work"));
+}
+
+TEST(FrameKeys, GoByTheEmptyFrames) {
+  Capture capture;
+  PictureSource film;
+  film.video = "a.mp4";
+  const Camera camera = Camera::pinhole({Vec3(1, -6, 2), Vec3(0, 0, 1)}, 30, 64, 48);
+  capture.cameras = {{"a", camera, film}};
+  capture.frames = {0, 1};
+  capture.emptyFrames = {6, 7};
+  const auto before = frameKeys(capture, {}, {});
+  EXPECT_EQ(frameKeys(capture, {}, {}), before);
+  capture.emptyFrames = {8, 9};
+  EXPECT_NE(frameKeys(capture, {}, {}), before);
 }
 
 TEST(WorkFolder, Digests) {

@@ -45,9 +45,7 @@ ReconstructionSettings settingsOf(const Arguments& arguments, const Capture& cap
   options.hull = !arguments.flag("no-hull");
   options.coarseToFine = arguments.flag("coarse-to-fine");
   options.temporal = arguments.get<double>("temporal");
-  options.noiseSigma = arguments.find<double>("noise-sigma");
-  if (!options.noiseSigma)
-    options.noiseSigma = capture.noiseSigma;
+  options.noiseSigma = capture.fittedNoise();
   options.maxMemory = context.maxMemory;
   settings.limits.saturated = arguments.get<double>("max-saturated");
   settings.warmStart = !arguments.flag("no-warm-start");
@@ -258,12 +256,16 @@ Status runLines(const Arguments& arguments, Context& context) {
   VOLUTE_ASSIGN(auto writer,
                 openWriter({{&source, arguments.get<double>("rms")}}, target, file, context));
   VOLUTE_TRY(writer.write(report));
-  const double leftOut = found.mean("left_out"), residual = found.mean("residual");
-  report
-      .add("left_out", jsonNumber(leftOut),
-           fmt::format("{:.3f} (relative L2 of lines that were left out in turn)", leftOut))
-      .add("residual", jsonNumber(residual),
-           fmt::format("{:.3f} (of the lines that were fitted)", residual));
+  const double residual = found.mean("residual");
+  if (how.lambda) {
+    report.add("left_out", nullptr, "not measured, for --lambda was given");
+  } else {
+    const double leftOut = found.mean("left_out");
+    report.add("left_out", jsonNumber(leftOut),
+               fmt::format("{:.3f} (relative L2 of lines that were left out in turn)", leftOut));
+  }
+  report.add("residual", jsonNumber(residual),
+             fmt::format("{:.3f} (of the lines that were fitted)", residual));
   if (const auto page = arguments.find<std::string>("report")) {
     auto json = report.json();
     json["lines"] = found.records;
@@ -286,7 +288,8 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkFolderIsShared(target, context.team));
   if (extensionOf(arguments.positional(0)) == ".csv")
     return runLines(arguments, context);
-  VOLUTE_ASSIGN(const auto options, captureOptionsOf(arguments, context));
+  VOLUTE_ASSIGN(auto options, captureOptionsOf(arguments, context));
+  options.noiseSigma = arguments.find<double>("noise-sigma");
   VOLUTE_ASSIGN(const auto capture, openCapture(arguments.positional(0), options));
   remarkOn(capture, context.progress);
   if (arguments.flag("velocity") && capture.frames.size() < 2)
@@ -380,7 +383,8 @@ std::vector<Option> solverOptions() {
       {.name = "noise-sigma",
        .kind = kNumber,
        .value = "S",
-       .help = "noise of a pixel's channel [radiance]; if not given, that of the capture",
+       .help = "noise of the light of a pixel's channel [radiance]; if not given, that of the "
+               "capture",
        .positive = true},
       raysOption(),
       {.name = "no-hull",
