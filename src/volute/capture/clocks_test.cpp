@@ -204,7 +204,7 @@ TEST_F(ClocksTest, RatesOfFilmsThatAgreeAreThoseOfTheCapture) {
   ASSERT_VALUE(const auto slow, opened(stated));
   EXPECT_EQ(slow.framesPerSecond, 240);
   EXPECT_EQ(slow.cameras[0].pictures.rate, 1);
-  EXPECT_THAT(slow.remarks,
+  EXPECT_THAT(sentences(slow.remarks),
               ::testing::Contains(HasSubstr("the films say 29.97 pictures a second")));
   stated.erase("frames_per_second");  // one of them alone
   stated["cameras"][0]["frames_per_second"] = 30;
@@ -222,11 +222,12 @@ TEST_F(ClocksTest, FilmsKeepTheirRatesBesideOneThatIsStated) {
   EXPECT_EQ(capture.framesPerSecond, 25);
   EXPECT_EQ(capture.cameras[1].pictures.rate, 2);
   EXPECT_LT(offBy(capture), kCoding);
-  EXPECT_THAT(capture.remarks, ::testing::Not(::testing::Contains(HasSubstr("state other rates"))));
+  EXPECT_THAT(sentences(capture.remarks),
+              ::testing::Not(::testing::Contains(HasSubstr("state other rates"))));
   json["cameras"][0]["frames_per_second"] = 100;  // slow motion
   ASSERT_VALUE(const auto slow, opened(json));
   EXPECT_EQ(slow.cameras[0].pictures.rate, 2 * slow.cameras[1].pictures.rate);
-  EXPECT_THAT(slow.remarks,
+  EXPECT_THAT(sentences(slow.remarks),
               ::testing::Contains(HasSubstr("which count: a 100, its film 25 pictures a second")));
 }
 
@@ -242,20 +243,23 @@ TEST_F(ClocksTest, FramesBeforeZeroAreTold) {
     json["cameras"][i]["image"] = i == 0 ? "a_%d.exr" : "b_%d.exr";
   }
   ASSERT_VALUE(const auto plain, opened(json));
-  EXPECT_THAT(plain.remarks, ::testing::Contains(HasSubstr("no rate is stated: 25 frames")));
+  EXPECT_THAT(sentences(plain.remarks),
+              ::testing::Contains(HasSubstr("no rate is stated: 25 frames")));
   EXPECT_EQ(plain.frames.size(), 5U);
   json["frames_per_second"] = 25;
   for (std::size_t i = 0; i < 2; ++i) json["cameras"][i]["start_time"] = -0.08;
   ASSERT_VALUE(const auto early, opened(json));
   EXPECT_THAT(early.frames, ElementsAre(0, 1, 2));
-  EXPECT_THAT(early.remarks, ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
+  EXPECT_THAT(sentences(early.remarks),
+              ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
   if (!writeFilm("a.mp4", 0, 25, 5) || !writeFilm("b.mp4", 0, 25, 5))
     GTEST_SKIP() << "built without films";
   json = captureOf("a.mp4", "b.mp4");
   for (std::size_t i = 0; i < 2; ++i) json["cameras"][i]["video_start"] = -2;
   ASSERT_VALUE(const auto films, opened(json));
   EXPECT_THAT(films.frames, ElementsAre(0, 1, 2));
-  EXPECT_THAT(films.remarks, ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
+  EXPECT_THAT(sentences(films.remarks),
+              ::testing::Contains(HasSubstr("frames -2 to -1 are before 0")));
 }
 
 TEST_F(ClocksTest, TheOrderOfCamerasDoesNotMoveTime) {

@@ -592,7 +592,7 @@ TEST_F(Importers, ColmapModelsByHalves) {
   EXPECT_EQ(focal(text / "cameras.txt"), 30);
   EXPECT_EQ(focal(text), 30);
   const auto both = openCapture(text, options);
-  EXPECT_TRUE(std::ranges::any_of(both->remarks, [](const std::string& remark) {
+  EXPECT_TRUE(std::ranges::any_of(sentences(both->remarks), [](const std::string& remark) {
     return remark.find("as .txt and as .bin, and the .txt were read") != remark.npos;
   }));
   std::string cameras = testing::readBytes(bin / "cameras.bin");
