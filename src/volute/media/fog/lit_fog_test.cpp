@@ -91,19 +91,23 @@ TEST(LitFog, EndlessFogIsLitAsFarAsItIsSeen) {
   EXPECT_NEAR(radiance.emitted[0], expected, 2e-3 * expected);
 }
 
+/// @param tolerance  of the brightest ray
+void expectFastPathAsPieces(const LitMedium& lit, const std::vector<Segment>& segments,
+                            double tolerance) {
+  std::vector<Radiance> fast(segments.size()), reference(segments.size());
+  lit.radiance(segments, fast);
+  radianceByPieces(lit, segments, reference);
+  double brightest = 0;
+  for (const Radiance& light : reference) brightest = std::max(brightest, light.emitted[0]);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    EXPECT_NEAR(fast[i].emitted[0], reference[i].emitted[0], tolerance * brightest);
+}
+
 TEST_P(SunProfiles, FastPathAgreesWithPieces) {
   for (int degree = 1; degree <= 3; ++degree) {
     const FogMedium fog = smoothFog(profile(), {.degree = degree, .color = Rgb::Zero()});
     const Lamp sun = lampOf({Vec3(1, -0.4, 0.8), Rgb::Ones()});
-    const LitMedium lit = litFog(fog, {&sun, 1}, {});
-    const auto segments = fogtest::rays(fog, 60);
-    std::vector<Radiance> fast(segments.size()), reference(segments.size());
-    lit.radiance(segments, fast);
-    radianceByPieces(lit, segments, reference);
-    double brightest = 0;
-    for (const Radiance& light : reference) brightest = std::max(brightest, light.emitted[0]);
-    for (std::size_t i = 0; i < segments.size(); ++i)
-      EXPECT_NEAR(fast[i].emitted[0], reference[i].emitted[0], 2e-3 * brightest);
+    expectFastPathAsPieces(litFog(fog, {&sun, 1}, {}), fogtest::rays(fog, 60), 2e-3);
   }
 }
 
@@ -116,15 +120,7 @@ TEST(LitFog, FastPathAgreesWithPiecesWhereFogIsDense) {
   const FogMedium fog = fogtest::fog(block, *FogProfile::layers(layers),
                                      {.degree = 1, .color = Rgb::Zero()}, 0.75, 1);
   const Lamp sun = lampOf({Vec3(-0.22, -0.43, 0.77), Rgb::Ones()});
-  const LitMedium lit = litFog(fog, {&sun, 1}, {});
-  const auto segments = fogtest::rays(fog, 400);
-  std::vector<Radiance> fast(segments.size()), reference(segments.size());
-  lit.radiance(segments, fast);
-  radianceByPieces(lit, segments, reference);
-  double brightest = 0;
-  for (const Radiance& light : reference) brightest = std::max(brightest, light.emitted[0]);
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    EXPECT_NEAR(fast[i].emitted[0], reference[i].emitted[0], 2.5e-3 * brightest);
+  expectFastPathAsPieces(litFog(fog, {&sun, 1}, {}), fogtest::rays(fog, 400), 2.5e-3);
 }
 
 TEST(LitFog, PhaseIsAFactor) {
