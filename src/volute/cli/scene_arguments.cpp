@@ -93,7 +93,8 @@ Result<Scene> openScene(const std::string& path, const Arguments& arguments, Con
                   {.measured = measured,
                    .depth = arguments.given("aov"),
                    .tree = arguments.find<std::string>("volume-method") == "tree",
-                   .moves = arguments.given("shutter")},
+                   .moves = arguments.given("shutter"),
+                   .values = arguments.given("colormap")},
                   options);
   auto opened = Scene::open(path, options, context.progress);
   if (!opened)

@@ -39,8 +39,8 @@ Result<std::vector<FilmFrame>> steadyFrames(const FrameRequest& request, const S
   const double rate = request.rate / request.speed;  // a second of the scene
   const FrameRange range = request.frames.value_or(FrameRange{});
   const auto begin = static_cast<int>(std::ceil(range.begin.value_or(0)));
-  const auto end =
-      static_cast<int>(std::ceil(range.end.value_or(std::min(std::round(last * rate) + 1, 1e6))));
+  const auto end = static_cast<int>(
+      std::ceil(range.end.value_or(std::min(std::floor(last * rate + 1e-6) + 1, 1e6))));
   std::vector<FilmFrame> frames;
   for (int n = begin; n < end; n += range.step) frames.push_back({n, n / rate});
   if (frames.empty())
@@ -241,7 +241,12 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
     tellOfOthers(scene, *leader, request, progress);
   const FrameRange range = request.frames.value_or(FrameRange{});
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
-  if (range.end && *range.end > info.frameScale.frame(info.numbers.back()) + 1) {
+  const double firstFrame = info.frameScale.frame(info.numbers.front()),
+               lastFrame = info.frameScale.frame(info.numbers.back());
+  const double step =  // in which they are numbered; an end before the next one is usual
+      std::max(1.0, (lastFrame - firstFrame) /
+                        std::max(static_cast<double>(info.numbers.size()) - 1, 1.0));
+  if (range.end && *range.end > lastFrame + step) {
     progress.remark(
         Remark{RemarkCode::kLeftOut,
                fmt::format("{}: its frames end with {}; frames {} reach beyond", info.file,

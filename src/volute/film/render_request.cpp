@@ -117,9 +117,12 @@ void tellOfMapsEnds(const FilmJob& job, Progress& progress) {
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
   options.files.byTree = use.tree;
-  if (isScenePath(path) || (!use.depth && !use.moves))
+  if (isScenePath(path) || (!use.depth && !use.moves && !use.values))
     return;
   registerUsualMedia();
+  if (use.values && !use.depth && !options.members->contains("preset") &&
+      mediumKindOf(path, true)->fields().find("preset"))
+    (*options.members)["preset"] = "none";
   if (use.moves && !options.members->contains("interpolate") &&
       mediumKindOf(path, true)->fields().find("interpolate"))
     (*options.members)["interpolate"] = "auto";
@@ -244,7 +247,7 @@ Result<Development> developmentOf(const RenderRequest& request, const FilmJob& j
   for (const auto& medium : job.scene.media()) {
     if (medium->info().channels == 1)
       continue;
-    auto failed =
+    auto failed =  // a preset that was asked for
         failFor("colormap", ErrorCode::kInvalidArgument,
                 "is for volumes with one channel and for optical depths; {}",
                 medium->info().measured

@@ -39,9 +39,10 @@ struct RenderRequest {
 /// How the scene of a file alone is opened.
 struct RenderUse {
   bool measured = false;
-  bool depth = false;  ///< for its optical depth
-  bool tree = false;   ///< SnapshotRequest::tree
-  bool moves = false;  ///< what is between its frames is shown, as through a shutter
+  bool depth = false;   ///< for its optical depth
+  bool tree = false;    ///< SnapshotRequest::tree
+  bool moves = false;   ///< what is between its frames is shown, as through a shutter
+  bool values = false;  ///< its values by a colour map
 };
 
 /// Sets options.files.measured and byTree, and adds what pictures of a file alone take for granted

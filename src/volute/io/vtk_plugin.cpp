@@ -88,7 +88,7 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
       .copy(frame.others, LatticeFrame::kMaxName);
   std::string leftOut;
   for (const GridEntry& one : arrays.names) {
-    if (!one.usable)
+    if (!one.usable && wanted.empty())
       leftOut += fmt::format("{}'{}' ({})", leftOut.empty() ? "" : ", ", one.name, one.type);
   }
   leftOut.copy(frame.leftOut, LatticeFrame::kMaxName);

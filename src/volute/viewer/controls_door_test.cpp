@@ -335,7 +335,7 @@ TEST_F(DoorControls, ARemarkIsMadeOnceHoweverOftenAMediumIsChanged) {
     "lights": [{"kind": "sun", "direction": [0.4, 0.5, -0.6], "radiance": [2, 1.8, 1.5]}]})";
   open("sunny.json");
   const auto before = app().document().info()->remarks;
-  ASSERT_EQ(before.size(), 1);
+  ASSERT_EQ(before.size(), 2);  // on the sun, and on bounds that are not stated
   for (const double emission : {2.0, 3.0, 4.0}) {
     app().document().set(parameterAt("/media/0/emission"), {emission});
     load();

@@ -254,7 +254,10 @@ void remarkOnRange(const std::string& path, const VolumeInfo& info, const FrameR
   const double begin = range.begin.value_or(first);
   const double end = range.end.value_or(begin);
   const double lastAsked = begin + range.step * (std::ceil((end - begin) / range.step) - 1);
-  if (begin >= first && lastAsked <= last)
+  // An end before the next frame of those that are numbered in steps is usual.
+  const double step =
+      (last - first) / std::max(static_cast<double>(info.frameNumbers.size()) - 1, 1.0);
+  if (begin >= first && lastAsked <= std::max(last, last + step - 1))
     return;
   reading.progress.remark(
       Remark(RemarkCode::kDoubtful,

@@ -75,7 +75,7 @@ Status tellOfExr(const std::string& path, const Image& image, const std::string&
   };
   const float largest = std::ranges::max(image.pixels);
   if (largest > 1) {
-    tell("values", RemarkCode::kDoubtful,
+    tell("values", unit == "m" ? RemarkCode::kNote : RemarkCode::kDoubtful,
          fmt::format("values up to {:g} count as they are, not as shares of a maximum as a .png's "
                      "do: {} up to {:g} {}",
                      largest, unit == "m" ? "heights are" : "the extinction is", largest * whole,

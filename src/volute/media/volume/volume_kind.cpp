@@ -158,16 +158,22 @@ void tellOfIdle(const Json& entry, const VolumeMedium& medium, const MediumConte
                       : appearance.interpolation == Interpolation::kNone   ? "interpolate is none"
                       : appearance.interpolation == Interpolation::kLinear ? "interpolate is linear"
                                                                            : nullptr;
+  const bool absorbs = appearance.extinction > 0 || appearance.transfer;
+  const bool dark = entry.contains("extinction") && !absorbs;  // faded out
+  const char* thin =
+      absorbs || dark ? nullptr : "nothing extinguishes light, and so nothing scatters it";
   const std::pair<const char*, const char*> members[] = {
-      {"emission", shown},      {"extinction", shown}, {"albedo", shown}, {"flames", shown},
-      {"preset", shown},        {"time", still},       {"fps", still},    {"velocity_scale", apart},
-      {"velocity_unit", apart}, {"color_field", grey}};
+      {"emission", shown},   {"extinction", shown},     {"albedo", shown},
+      {"flames", shown},     {"preset", shown},         {"time", still},
+      {"fps", still},        {"velocity_scale", apart}, {"velocity_unit", apart},
+      {"color_field", grey}, {"asymmetry", thin}};
+  const bool inScene = extensionOf(context.file) == ".json";
   for (const auto& [member, why] : members) {
     if (!why || !entry.contains(member))
       continue;
     progress.remark(
-        Remark{RemarkCode::kLeftOut,
-               fmt::format("{}: {}/{} has no effect: {}", context.file, context.path, member, why)}
+        Remark{RemarkCode::kLeftOut, fmt::format("{}: {}{} has no effect: {}", context.file,
+                                                 inScene ? context.path + '/' : "", member, why)}
             .in(context.file, context.path + '/' + member));
   }
 }
@@ -243,19 +249,6 @@ class VolumeKind final : public MediumKind {
                  {Hint::set("bounds")})
               .in(volume.file));
     }
-    const auto tellIdle = [&](const char* member, const char* why) {
-      if (entry.contains(member))
-        remarkLog.remark(Remark(RemarkCode::kDoubtful,
-                                fmt::format("{}: {} has no effect: {}", context.file, member, why))
-                             .in(context.file, context.path));
-    };
-    if (!appearance.transfer && !dark && !(appearance.extinction > 0))
-      tellIdle("asymmetry", "nothing extinguishes light, and so nothing scatters it");
-    if (appearance.interpolation == Interpolation::kNone ||
-        appearance.interpolation == Interpolation::kLinear) {
-      for (const char* member : {"velocity_unit", "velocity_scale"})
-        tellIdle(member, "nothing moves along velocities between frames");
-    }
     if (appearance.shaded() && appearance.basis == Basis::kBox) {
       return origin.wrong(FieldRow{.name = "basis"},
                           "what is lit or burns is drawn over the trilinear or the cubic basis");
@@ -287,8 +280,7 @@ class VolumeKind final : public MediumKind {
         !appearance.surface) {
       VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), remarkLog));
     }
-    if (extensionOf(context.file) == ".json")
-      tellOfIdle(entry, *medium, context, remarkLog);
+    tellOfIdle(entry, *medium, context, remarkLog);
     tellPlainValues(*medium, remarkLog);
     medium->remarks.insert(medium->remarks.begin(), remarkLog.remarks().begin(),
                            remarkLog.remarks().end());

@@ -520,7 +520,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
                             : fmt::format("as hot as '{}' says", flames.temperature));
     appearance.flames = flames;
   }
-  reading.progress.remark(Remark(RemarkCode::kAssumed, fmt::format("{}: shown as {}", path, text),
+  // What was asked for is no assumption.
+  const RemarkCode code = preset == VolumePreset::kAuto ? RemarkCode::kAssumed : RemarkCode::kNote;
+  reading.progress.remark(Remark(code, fmt::format("{}: shown as {}", path, text),
                                  {Hint::set("preset", "none").so("shows plain values as light")})
                               .in(path));
   std::vector<std::string> shown{grids.mainName(), input.grid};
