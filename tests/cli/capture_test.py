@@ -444,6 +444,25 @@ class Pictures(ring.TestCase):
         self.reconstruct("--frames", "10")
         self.assertEqual(self.path("out.npy").read_bytes(), before)
 
+    def test_an_evenly_lit_background_is_not_taken_as_saturated(self):
+        self.json.update(kind="absorption", color="linear")
+        for name in ring.NAMES:
+            write_png(self.path(f"back_{name}.png"), Picture(40, 32, 3, [231 / 255] * (40 * 32 * 3)), encode=lambda v: v)
+            self.camera(name)["background"] = f"back_{name}.png"
+            self.change(name, 10, lambda p: Picture(40, 32, 3, [231 / 255 * math.exp(-0.2 * v) for v in p.values]))
+        self.as_png(1, encode=lambda v: v)
+        self.write_capture()
+        told = self.png()
+        self.assertRegex(told.message, 'many pixels read 231 of 255, the most in the picture, and are taken as an evenly lit '
+                                       'background: state "saturation": 1, or 0.90588 if they are saturated')
+        self.json["saturation"] = 1
+        self.write_capture()
+        stated = self.png()
+        self.assertNotIn("many pixels", stated.message)
+        self.assertEqual(stated.json["residual"], told.json["residual"])
+        self.json["saturation"] = 231 / 255
+        self.assertIn("expose less", self.refused("--frames", "10", "--images", self.path("{camera}_%04d.png")))
+
     def test_backgrounds_from_empty_frames(self):
         for name in ring.NAMES:
             for frame in range(3):

@@ -237,8 +237,13 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
     stored.plateau = plateauOf(stored.image, stored.largest);
     stored.bitsHolding = bitsHolding(stored.image, stored.largest);
   }
-  if (stored.plateau)
-    stored.saturation = stored.plateau->value;
+  if (stored.plateau) {
+    // An evenly lit background is the brightest of a picture, and ends at no number of bits.
+    stored.plateau->saturated = capture_->measured == Measured::kEmission ||
+                                bitsOf(stored.plateau->value, stored.largest).has_value();
+    if (stored.plateau->saturated)
+      stored.saturation = stored.plateau->value;
+  }
   subtractBlack(stored.image, pictures.black);
   stored.saturation = (stored.saturation - pictures.black) / (1 - pictures.black);
   return stored;

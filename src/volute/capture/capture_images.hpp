@@ -36,7 +36,7 @@ struct CameraPicture {
   double transparentMask = 0;         ///< of all pixels, those that are transparent in the mask
   bool grey = false;                  ///< one channel in the file
   bool mosaic = false;                ///< brightness goes by the place in blocks of 2 x 2 pixels
-  std::optional<StoredPlateau> plateau;  ///< that was taken as saturation, for none is stated
+  std::optional<StoredPlateau> plateau;  ///< where the capture states no saturation
   int bitsHolding = 0;  ///< see bitsHolding(); 0 also where the capture states bits or saturation
   double largest = 65535;  ///< the integer that is 1 in its file
   /// What all pixels beside the volume show, as a stored value: a black level, which was

@@ -453,6 +453,35 @@ TEST_F(CaptureImagesTest, LitBackgroundsGiveOpticalDepths) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(longer.radiance.at(12, 8, c), c + 1, 1e-5);
 }
 
+TEST_F(CaptureImagesTest, EvenlyLitBackgroundsAreNotTakenAsSaturated) {
+  for (const char* name : {"a", "b", "c"}) write(fmt::format("back_{}.exr", name), picture(0.8F));
+  for (int i = 0; i < 3; ++i)
+    json["cameras"][i]["background"] = fmt::format("back_{}.exr", static_cast<char>('a' + i));
+  json["cameras"][0]["image"] = "p_%04d.png";
+  const auto writeLit = [&](float level) {
+    std::filesystem::remove(folder / "p_0004.png");
+    Image image = flame(1);
+    for (float& value : image.pixels) value = level * std::min(1.0F, 1.1F - 0.5F * value);
+    ASSERT_TRUE(ok(writeMap(folder / "p_0004.png", image)));
+  };
+  writeLit(231.0F / 255);
+  ASSERT_VALUE(const auto light, readPicture(0, 4));
+  ASSERT_TRUE(light.plateau);
+  EXPECT_TRUE(light.plateau->saturated);
+  json["kind"] = "absorption";
+  ASSERT_VALUE(const auto lit, readPicture(0, 4));
+  ASSERT_TRUE(lit.plateau);
+  EXPECT_FALSE(lit.plateau->saturated);
+  EXPECT_NEAR(lit.plateau->value, 231.0 / 255, 1e-4);
+  EXPECT_EQ(lit.saturatedShare, 0);
+  EXPECT_GT(lit.weight[0], 0);
+  writeLit(4095.0F / 65535);  // the largest value of 12 bits
+  ASSERT_VALUE(const auto few, readPicture(0, 4));
+  ASSERT_TRUE(few.plateau);
+  EXPECT_TRUE(few.plateau->saturated);
+  EXPECT_GT(few.saturatedShare, 0.1);
+}
+
 TEST_F(CaptureImagesTest, SaturatedBackgroundsGiveLowerBounds) {
   json["kind"] = "absorption";
   for (int i = 0; i < 3; ++i) json["cameras"][i]["background"] = "back.exr";

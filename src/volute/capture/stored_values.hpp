@@ -12,8 +12,9 @@ namespace volute {
 
 /// Many pixels that read one largest value, which is less than a file can hold.
 struct StoredPlateau {
-  double value = 0;  ///< of 1 = the largest that a file can hold
-  double share = 0;  ///< of the lit pixels, those that read it in any channel
+  double value = 0;       ///< of 1 = the largest that a file can hold
+  double share = 0;       ///< of the lit pixels, those that read it in any channel
+  bool saturated = true;  ///< false: an evenly lit background looks the same, and is likelier
 };
 
 /// Where a sensor or a converter stops counting, though the file could hold more: at least a

@@ -98,15 +98,19 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
   if (facts.plateau) {
     const double value = facts.plateau->value;
     const auto bits = bitsOf(value, facts.largest);
+    const auto stateThat =
+        bits ? fmt::format(
+                   "are these {} bits? Then state \"bits\": {}; else state "
+                   "\"saturation\": {:.5g}, or 1 if they are not",
+                   *bits, *bits, value)
+        : facts.plateau->saturated
+            ? fmt::format("state \"saturation\": {:.5g}, or 1 if they are not", value)
+            : fmt::format("state \"saturation\": 1, or {:.5g} if they are saturated", value);
     warnings.add(
         fmt::format("many pixels read {:.0f} of {:.0f}, the most in the picture, and are taken as "
-                    "saturated: {}",
+                    "{}: {}",
                     value * facts.largest, facts.largest,
-                    bits
-                        ? fmt::format("are these {} bits? Then state \"bits\": {}; else state "
-                                      "\"saturation\": {:.5g}",
-                                      *bits, *bits, value)
-                        : fmt::format("state \"saturation\": {:.5g}, or 1 if they are not", value)),
+                    facts.plateau->saturated ? "saturated" : "an evenly lit background", stateThat),
         camera);
   }
   if (facts.pedestal > 0) {
@@ -154,8 +158,8 @@ double shareOf(std::size_t part, std::size_t whole) {
   return static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, whole));
 }
 
-void checkSaturation(const Counts& counts, const std::string& name, const PictureLimits& limits,
-                     PictureFindings& findings) {
+void checkSaturation(const Counts& counts, const PictureFacts& facts, const std::string& name,
+                     const PictureLimits& limits, PictureFindings& findings) {
   constexpr double kWorthAWord = 0.1;
   const double share = shareOf(counts.saturated, counts.lit);
   if (counts.saturated == 0 || share <= std::min(kWorthAWord, limits.saturated))
@@ -165,8 +169,14 @@ void checkSaturation(const Counts& counts, const std::string& name, const Pictur
       "least",
       name, 100 * share);
   if (share > limits.saturated) {
-    findings.faults.push_back(fmt::format("{}, more than the {:.1f} % allowed; expose less", text,
-                                          100 * limits.saturated));
+    const auto denied =
+        facts.plateau && facts.plateau->saturated
+            ? fmt::format(
+                  ", or state \"saturation\": 1 if the camera counts beyond {:.0f} of {:.0f}",
+                  facts.plateau->value * facts.largest, facts.largest)
+            : std::string();
+    findings.faults.push_back(fmt::format("{}, more than the {:.1f} % allowed; expose less{}", text,
+                                          100 * limits.saturated, denied));
   } else {
     findings.warnings.push_back(text);
   }
@@ -386,7 +396,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
           views.views[brightest].name, counts[brightest].lit));
       continue;
     }
-    checkSaturation(counts[i], name, limits, findings);
+    checkSaturation(counts[i], views.facts[i], name, limits, findings);
     checkBackground(counts[i], name, views.opticalDepth, findings);
     checkDrift(views.facts[i], name, findings);
     checkOpaque(views.facts[i], name, findings);
