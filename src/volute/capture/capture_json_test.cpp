@@ -183,6 +183,7 @@ TEST(CaptureJson, HowFloatsAreStoredHasNoEffect) {
   const TempFolder folder;
   testing::writeRingPictures(folder);
   auto json = ringJson();
+  json["frames_per_second"] = 25;
   ASSERT_VALUE(const auto right, openJson(folder, json));
   EXPECT_EQ(right.remarks.size(), 1U);
   json["black"] = 0.1, json["bits"] = 12;
@@ -199,6 +200,7 @@ TEST(CaptureJson, FramesWithoutAnyPictureAreTold) {
   const TempFolder folder;
   testing::writeRingPictures(folder);
   auto json = ringJson();
+  json["frames_per_second"] = 25;
   json.erase("frames");
   for (const char* name : {"a", "b", "c"})
     std::filesystem::rename(folder / fmt::format("f_0005_{}.exr", name),

@@ -243,8 +243,9 @@ TEST_F(ClocksTest, FramesBeforeZeroAreTold) {
     json["cameras"][i]["image"] = i == 0 ? "a_%d.exr" : "b_%d.exr";
   }
   ASSERT_VALUE(const auto plain, opened(json));
-  EXPECT_THAT(sentences(plain.remarks),
-              ::testing::Contains(HasSubstr("no rate is stated: 25 frames")));
+  EXPECT_THAT(sentences(plain.remarks), ::testing::Contains(::testing::AllOf(
+                                            HasSubstr("no rate is stated: 25 frames"),
+                                            HasSubstr("\"frames_per_second\" beside \"frames\""))));
   EXPECT_EQ(plain.frames.size(), 5U);
   json["frames_per_second"] = 25;
   for (std::size_t i = 0; i < 2; ++i) json["cameras"][i]["start_time"] = -0.08;

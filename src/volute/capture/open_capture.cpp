@@ -673,7 +673,7 @@ Result<Capture> openCapture(const std::filesystem::path& file, const CaptureOpti
     draft.remarks.emplace_back(
         RemarkCode::kAssumed,
         fmt::format("no rate is stated: {} frames a second are assumed, by which times and speeds "
-                    "go",
+                    "go; state it in a capture.json, \"frames_per_second\" beside \"frames\"",
                     kUnstatedRate));
   const bool clocked = std::ranges::any_of(draft.cameras, [](const CameraDraft& camera) {
     return !camera.pictures.video.empty() || camera.pictures.videoStart != 0;
