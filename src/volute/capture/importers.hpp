@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -21,7 +22,11 @@ struct CameraDraft {
   std::string pictureName;  ///< as the calibration calls its picture; may be empty
   std::string where;        ///< for messages: "capture.json: cameras[3]"
   Calibration calibration;  ///< width and height 0: those of its pictures
-  PictureSource pictures;   ///< paths are ready to open; no image: from the pattern of the images
+  /// Over width and height [radians]; they give the focal lengths of K that are 0. 0: not stated.
+  std::array<double, 2> angles{};
+  /// Whether the principal point lies in the middle of a width and height that are not known yet.
+  std::array<bool, 2> centred{};
+  PictureSource pictures;  ///< paths are ready to open; no image: from the pattern of the images
   std::optional<double> framesPerSecond{};  ///< of its pictures
   double reprojectionError = 0;             ///< [pixels]; 0: not stated
   std::optional<int> filmLength{};          ///< how many pictures its film is said to have

@@ -571,6 +571,43 @@ TEST_F(Importers, NerfAnglesOfBothSides) {
   EXPECT_NEAR(capture.cameras[1].camera.intrinsics()(1, 1), 40, 1e-9);
 }
 
+TEST_F(Importers, NerfSizesAreThoseOfThePicturesUnlessStated) {
+  const double focal = ringCalibration(0, kCameras).K(0, 0);
+  const auto K = [&](bool angles, bool height) {
+    writeNerf(folder, true);
+    auto json = readJson(folder / "transforms.json").value();
+    json.erase("w");
+    if (!height)
+      json.erase("h");
+    if (angles) {
+      json["camera_angle_x"] = 2 * std::atan(0.5 * testing::kWidth / focal);
+      json["camera_angle_y"] = 2 * std::atan(0.25 * testing::kHeight / focal);
+    }
+    for (auto& frame : json["frames"]) {
+      for (const char* key : {"cx", "cy", "fl_y"}) frame.erase(key);
+      if (angles)
+        frame.erase("fl_x");
+    }
+    writeText(folder / "transforms.json", json.dump());
+    const auto capture = openCapture(folder / "transforms.json", options);
+    EXPECT_TRUE(ok(capture));
+    if (!capture)
+      return Mat3(Mat3::Zero());
+    EXPECT_EQ(capture->cameras[0].camera.width(), testing::kWidth);
+    EXPECT_EQ(capture->cameras[0].camera.height(), testing::kHeight);
+    return capture->cameras[0].camera.intrinsics();
+  };
+  for (const bool angles : {false, true}) {
+    for (const bool height : {false, true}) {
+      const Mat3 found = K(angles, height);
+      EXPECT_NEAR(found(0, 0), focal, 1e-9);
+      EXPECT_NEAR(found(1, 1), angles ? 2 * focal : focal, 1e-9);
+      EXPECT_EQ(found(0, 2), 0.5 * testing::kWidth);
+      EXPECT_EQ(found(1, 2), 0.5 * testing::kHeight);
+    }
+  }
+}
+
 TEST_F(Importers, ColmapModelsByHalves) {
   writeColmapText(folder, "\n");
   writeColmapBinary(folder);

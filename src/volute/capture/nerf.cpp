@@ -111,7 +111,8 @@ void remarkOnModel(const JsonValue& frame, const JsonValue& root, const Distorti
   }
 }
 
-Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration& calibration) {
+Status readIntrinsics(const JsonValue& frame, const JsonValue& root, CameraDraft& camera) {
+  Calibration& calibration = camera.calibration;
   for (const auto& [key, side] :
        {std::pair("w", &calibration.width), std::pair("h", &calibration.height)}) {
     if (const auto value = findIn(frame, root, key)) {
@@ -125,9 +126,12 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
   VOLUTE_ASSIGN(const double angleY, angleIn(frame, root, "camera_angle_y"));
   const double byAngle = angleX > 0 ? 0.5 * width / std::tan(0.5 * angleX) : 0;
   const double byAngleY = angleY > 0 ? 0.5 * height / std::tan(0.5 * angleY) : 0;
+  camera.angles = {angleX, angleY};
+  camera.centred = {width == 0 && !findIn(frame, root, "cx"),
+                    height == 0 && !findIn(frame, root, "cy")};
   auto& K = calibration.K;
   VOLUTE_ASSIGN(K(0, 0), numberIn(frame, root, "fl_x", byAngle));
-  VOLUTE_ASSIGN(K(1, 1), numberIn(frame, root, "fl_y", byAngleY > 0 ? byAngleY : K(0, 0)));
+  VOLUTE_ASSIGN(K(1, 1), numberIn(frame, root, "fl_y", angleY > 0 ? byAngleY : K(0, 0)));
   for (const JsonValue& one : {frame, root}) {  // an entry's own counts before the file's
     constexpr double kSame = 0.05;
     for (const auto& [axis, stated, said, side] :
@@ -143,10 +147,8 @@ Status readIntrinsics(const JsonValue& frame, const JsonValue& root, Calibration
   }
   VOLUTE_ASSIGN(K(0, 2), numberIn(frame, root, "cx", 0.5 * width));
   VOLUTE_ASSIGN(K(1, 2), numberIn(frame, root, "cy", 0.5 * height));
-  if (K(0, 0) == 0)
-    return frame.fault("has no focal length; expected fl_x, or camera_angle_x with w");
-  if (width == 0 && !(findIn(frame, root, "cx") && findIn(frame, root, "cy")))
-    return frame.fault("has neither cx, cy nor w, h; expected one of them");
+  if (K(0, 0) == 0 && (angleX == 0 || width > 0 || findIn(frame, root, "fl_x")))
+    return frame.fault("has no focal length; expected fl_x or camera_angle_x");
   Distortion& lens = calibration.distortion;
   for (const auto& [key, value] :
        {std::pair("k1", &lens.k1), std::pair("k2", &lens.k2), std::pair("p1", &lens.p1),
@@ -272,7 +274,7 @@ Result<CaptureDraft> readNerfTransforms(const std::filesystem::path& file,
     CameraDraft camera;
     camera.where = frame.where();
     VOLUTE_TRY(checkModel(frame, root));
-    VOLUTE_TRY(readIntrinsics(frame, root, camera.calibration));
+    VOLUTE_TRY(readIntrinsics(frame, root, camera));
     if (draft.cameras.empty())  // stands for the others
       remarkOnModel(frame, root, camera.calibration.distortion, draft);
     VOLUTE_TRY(readPose(frame, camera.calibration));

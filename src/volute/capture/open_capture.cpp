@@ -74,11 +74,12 @@ bool isFilm(const std::string& path) {
   return std::ranges::find(kFilms, extensionOf(path)) != kFilms.end();
 }
 
-bool sameCalibration(const Calibration& a, const Calibration& b) {
+bool sameCalibration(const CameraDraft& one, const CameraDraft& other) {
   constexpr double kRounding = 1e-9;
-  return a.width == b.width && a.height == b.height && a.distortion == b.distortion &&
-         a.K.isApprox(b.K, kRounding) && a.R.isApprox(b.R, kRounding) &&
-         (a.t - b.t).norm() <= kRounding * (1 + a.t.norm());
+  const Calibration &a = one.calibration, &b = other.calibration;
+  return one.angles == other.angles && one.centred == other.centred && a.width == b.width &&
+         a.height == b.height && a.distortion == b.distortion && a.K.isApprox(b.K, kRounding) &&
+         a.R.isApprox(b.R, kRounding) && (a.t - b.t).norm() <= kRounding * (1 + a.t.norm());
 }
 
 /// "images/frame_####_c0.exr" is camera frame_c0 when no pattern says where its name is, and
@@ -112,8 +113,7 @@ Status nameCameras(CaptureDraft& draft, const std::optional<ImageName>& images) 
       continue;
     }
     const CameraDraft* before = &cameras[place->second];
-    const bool same =
-        !camera.pictureName.empty() && sameCalibration(before->calibration, camera.calibration);
+    const bool same = !camera.pictureName.empty() && sameCalibration(*before, camera);
     if (!same) {
       return fail(
           ErrorCode::kInvalidData, Hint::set("images").so("with {camera} says where the name is"),
@@ -439,17 +439,36 @@ Status checkNumbers(CaptureDraft& draft, const std::vector<int>& all,
   return {};
 }
 
-/// Calibrations that leave the size out mean that of the pictures.
+/// What goes by the size of the pictures, once it is known.
+void completeIntrinsics(CameraDraft& camera) {
+  Mat3& K = camera.calibration.K;
+  const std::array<int, 2> sides{camera.calibration.width, camera.calibration.height};
+  for (int axis = 0; axis < 2; ++axis) {
+    if (K(axis, axis) == 0 && camera.angles[axis] > 0)
+      K(axis, axis) = 0.5 * sides[axis] / std::tan(0.5 * camera.angles[axis]);
+    if (camera.centred[axis])
+      K(axis, 2) = 0.5 * sides[axis];
+  }
+  if (K(1, 1) == 0)
+    K(1, 1) = K(0, 0);
+}
+
+/// Calibrations that leave the size out mean that of the pictures; a side that they state stays.
 Status completeSize(CameraDraft& camera, FolderFiles& folders, std::uint64_t maxMemory) {
   Calibration& calibration = camera.calibration;
   if (calibration.width > 0 && calibration.height > 0)
     return {};
+  const auto take = [&](int width, int height) {
+    calibration.width = calibration.width > 0 ? calibration.width : width;
+    calibration.height = calibration.height > 0 ? calibration.height : height;
+    completeIntrinsics(camera);
+    return Status{};
+  };
   if (!camera.pictures.video.empty()) {
     const auto film = FilmReader::open(camera.pictures.video, maxMemory);
     if (!film)
       return ofCamera(camera, film.error());
-    calibration.width = film->info().width, calibration.height = film->info().height;
-    return {};
+    return take(film->info().width, film->info().height);
   }
   const auto numbers = camera.pictures.numbersThere(folders);
   if (numbers.empty()) {
@@ -460,8 +479,7 @@ Status completeSize(CameraDraft& camera, FolderFiles& folders, std::uint64_t max
   const auto picture = readStoredPicture(camera.pictures.fileOf(numbers.front()), maxMemory);
   if (!picture)
     return ofCamera(camera, picture.error());
-  calibration.width = picture->image.width, calibration.height = picture->image.height;
-  return {};
+  return take(picture->image.width, picture->image.height);
 }
 
 /// What may be so, and hardly is; the first camera stands for the others.

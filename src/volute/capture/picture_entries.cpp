@@ -15,9 +15,10 @@ namespace volute {
 namespace {
 
 /// Lens, pose and size: entries of one camera repeat them to the last digit.
-using PoseKey = std::array<double, 28>;
+using PoseKey = std::array<double, 32>;
 
-PoseKey keyOf(const Calibration& camera) {
+PoseKey keyOf(const CameraDraft& draft) {
+  const Calibration& camera = draft.calibration;
   PoseKey key{};
   auto next = key.begin();
   for (const Mat3* matrix : {&camera.K, &camera.R})
@@ -26,7 +27,11 @@ PoseKey keyOf(const Calibration& camera) {
   const Distortion& lens = camera.distortion;
   for (const double value : {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}) *next++ = value;
   *next++ = camera.width;
-  *next = camera.height;
+  *next++ = camera.height;
+  for (std::size_t side = 0; side < 2; ++side) {
+    *next++ = draft.angles[side];
+    *next++ = draft.centred[side] ? 1 : 0;
+  }
   for (double& value : key) value += 0.0;  // -0 is 0
   return key;
 }
@@ -264,7 +269,7 @@ Status groupEntries(CaptureDraft& draft) {
   std::set<double> times;
   std::size_t timed = 0;
   for (const CameraDraft& entry : draft.cameras) {
-    const auto [place, isNew] = places.emplace(keyOf(entry.calibration), groups.size());
+    const auto [place, isNew] = places.emplace(keyOf(entry), groups.size());
     if (isNew)
       groups.emplace_back();
     groups[place->second].entries.push_back(&entry);
