@@ -98,6 +98,15 @@ class Formats(ring.TestCase):
                            "transform_matrix": [axes[i] + [eye[i]] for i in range(3)] + [[0, 0, 0, 1]]})
         self.path("transforms.json").write_text(json.dumps({"frames": frames, "aabb_scale": 4}))
         self.same("transforms.json", "pixel centres at 0.5, OpenGL's camera axes")
+        # A volume and pictures that are given later are no damage; pictures that are gone are.
+        self.assertRegex(self.works("info", self.path("transforms.json")).text, "missing +.*does not say where the volume is")
+        for frame in frames:
+            frame["file_path"] = frame["file_path"].replace("####", "0010")
+            del frame["w"], frame["h"]
+        self.path("transforms.json").write_text(json.dumps({"frames": frames}))
+        info = self.works("info", self.path("transforms.json"), "--json").json
+        self.assertEqual([camera["size"] for camera in info["cameras"]], [[40, 32]] * 5)
+        self.assertEqual([camera["pictures_there"] for camera in info["cameras"]], [1] * 5)
 
     def test_colmap(self):
         folder = self.path("model")

@@ -105,12 +105,20 @@ Result<FileDescription> describeCapture(const std::string& path, std::uint64_t m
   FileDescription described;
   if (!capture) {
     missing = capture.error().message;
-    // Calibration alone may be whole.
-    auto calibration = openCalibration(path, options);
-    if (!calibration)
+    // The volume and the names of the pictures may be given to a reconstruction.
+    described.damaged =
+        capture.error().code != ErrorCode::kInvalidArgument || capture.error().hints.empty();
+    CaptureOptions anyVolume = options;
+    anyVolume.bounds = Box3(Vec3(0, 0, 0), Vec3(1, 1, 1));
+    anyVolume.resolution = {1, 1, 1};
+    auto rest = openCapture(path, anyVolume);
+    if (rest)
+      rest->volume = {};
+    else
+      rest = openCalibration(path, options);  // which may be whole alone
+    if (!rest)
       return tl::unexpected(std::move(capture.error()));
-    capture = std::move(calibration);
-    described.damaged = true;
+    capture = std::move(rest);
   }
   Report& report = described.report;
   report.add("file", path).add("kind", "capture").add("format", capture->kind);
