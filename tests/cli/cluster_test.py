@@ -832,7 +832,8 @@ class BadInput(Cluster):
         script.write_text('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK" = 1 ] || exec "$@"\n'
                           f'exec unshare -rm sh -c \'mount -t tmpfs -o size=4k none {self.path("out")} && exec "$@"\' - "$@"\n')
         script.chmod(0o755)
-        command, environment = mpirun(3, script, PROGRAM, "compress", self.path("in.npy"), "-o", self.path("out/x.volute"), "--rms", "0.0001")
+        command, environment = mpirun(3, script, PROGRAM, "compress", self.path("in.npy"), "-o", self.path("out/x.volute"), "--rms", "0.0001",
+                                      "--bounds", "0,0,0,1,1,1")
         done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=limit())
         said = [line for line in done.stderr.decode().splitlines() if line.startswith("volute") and "no times are stated" not in line]
         self.assertEqual(done.returncode, 1, said)
@@ -844,7 +845,8 @@ class BadInput(Cluster):
         shape, values = support.plume(40, 12)
         values[30 * 12 ** 3 + 5] = float("nan")
         support.write_npy(self.path("in.npy"), shape, values)
-        self.assertIn("frame 30: the value at voxel (5, 0, 0)", self.says(3, "compress", self.path("in.npy"), "-o", self.path("x.volute"), "--rms", "0.01"))
+        self.assertIn("frame 30: the value at voxel (5, 0, 0)", self.says(3, "compress", self.path("in.npy"), "-o", self.path("x.volute"), "--rms", "0.01", "--fps", "25",
+                                                                              "--bounds", "0,0,0,1,1,1"))
 
     def test_ctrl_c(self):
         packed = self.make_volute(frames=12, size=16)

@@ -69,7 +69,7 @@ Result<CaptureDraft> readAstra(const std::filesystem::path& file, const nlohmann
     draft.cameras.push_back(std::move(camera));
   }
   draft.remarks.emplace_back(
-      RemarkCode::kAssumed,
+      RemarkCode::kNote,
       "lengths of Vectors are taken as metres; ASTRA itself counts in voxels unless told "
       "otherwise");
   for (const std::string& key :

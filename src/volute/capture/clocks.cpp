@@ -64,7 +64,7 @@ void takeRatesOfFilms(CaptureDraft& draft, std::uint64_t maxMemory) {
     return;
   if (!contradicted.empty())
     draft.remarks.emplace_back(
-        RemarkCode::kDoubtful,
+        RemarkCode::kNote,
         fmt::format("cameras state other rates than their films, which count: {} pictures a second",
                     fmt::join(contradicted, "; ")));
   const bool stated = draft.framesPerSecond.has_value();

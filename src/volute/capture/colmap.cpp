@@ -81,7 +81,7 @@ Result<CaptureDraft> readColmap(const std::filesystem::path& path, std::uint64_t
     draft.cameras.push_back(std::move(camera));
   }
   draft.remarks.emplace_back(
-      RemarkCode::kAssumed,
+      RemarkCode::kNote,
       "lengths of the model are taken as metres; COLMAP itself finds them in a unit of its own");
   for (const std::string& doubt : model.remarks)
     draft.remarks.emplace_back(RemarkCode::kDoubtful, doubt);

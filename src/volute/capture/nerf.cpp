@@ -244,7 +244,7 @@ Status remarkFrameOfReference(const JsonValue& root, CaptureDraft& draft) {
   }
   if (!scaled)
     draft.remarks.emplace_back(
-        RemarkCode::kAssumed,
+        RemarkCode::kNote,
         "lengths of transform_matrix are taken as metres; the format has no unit");
   for (const char* box : {"aabb", "render_aabb"}) {
     if (root.find(box))

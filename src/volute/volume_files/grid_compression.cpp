@@ -56,7 +56,7 @@ Result<std::uint64_t> tellReplaced(const std::string& path, const std::string& g
   VOLUTE_TRY(team.sum(std::span(&count, 1)));
   if (count > 0) {
     reading.progress.remark(
-        Remark(RemarkCode::kChanged,
+        Remark(RemarkCode::kNote,  // as it was asked for
                fmt::format("{}: '{}': {} value{} {}", path, grid, count,
                            count == 1 ? " is no finite number" : "s are no finite numbers",
                            what == NotFinite::kInactive ? "and left out: their voxels are inactive"

@@ -119,15 +119,19 @@ void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const st
   std::vector<std::string> lost;
   if (info.up != 0 && !vdb)
     lost.push_back(fmt::format("that {} points upwards", info.up));
-  if (array && info.name != "density" && target.find(info.name) == target.npos)
-    lost.push_back(fmt::format("that the values are '{}'", info.name));
   if (!info.unit.empty() && !unit)
     lost.push_back(fmt::format("that the values are in {}", info.unit));
   if (info.levelSet && !vdb && !nano)
     lost.emplace_back("that the values are distances to a surface");
   if (array && besides.turned)
     lost.emplace_back("how the voxels are turned, or move");
-  else if (array && !hasUsualBounds(info))
+  if (nano && besides.metadata)
+    lost.emplace_back("what metadata its grids have");
+  // What values mean is lost; whoever writes bare arrays has the rest elsewhere.
+  const RemarkCode code = lost.empty() ? RemarkCode::kNote : RemarkCode::kLeftOut;
+  if (array && info.name != "density" && target.find(info.name) == target.npos)
+    lost.push_back(fmt::format("that the values are '{}'", info.name));
+  if (array && !besides.turned && !hasUsualBounds(info))
     lost.push_back(fmt::format("where the voxels lie ({})", boxText(info.bounds)));
   const bool oneFile = !namesSeries(target) && extension != ".pvd";
   const bool counted = std::ranges::equal(info.frameNumbers, std::views::iota(0, info.frames)) &&
@@ -141,13 +145,10 @@ void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const st
   if (!statesTimes(target) && info.frames > 1 && !info.timesAssumed && paced)
     lost.push_back(fmt::format("when the frames are shown ({:.4g} to {:.4g} s)", info.times.front(),
                                info.times.back()));
-  if (nano && besides.metadata)
-    lost.emplace_back("what metadata its grids have");
   if (!lost.empty())
-    reading.progress.remark(
-        Remark(RemarkCode::kLeftOut,
-               fmt::format("{}: such a file does not say {}", target, fmt::join(lost, ", or ")))
-            .in(target));
+    reading.progress.remark(Remark(code, fmt::format("{}: such a file does not say {}", target,
+                                                     fmt::join(lost, ", or ")))
+                                .in(target));
 }
 
 void remarkOnOtherFrames(const std::string& target, const VolumeInfo& info, Reading& reading) {

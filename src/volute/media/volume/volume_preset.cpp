@@ -410,7 +410,7 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
       return;
     for (const Remark& one : grids.levelSets()) reading.progress.remark(one);
     if (const std::string others = grids.others(shown); !others.empty()) {
-      reading.progress.remark(Remark(RemarkCode::kAssumed,
+      reading.progress.remark(Remark(RemarkCode::kNote,
                                      fmt::format("{}: not shown: {}", path, others),
                                      {Hint::choose("field")})
                                   .in(path));
