@@ -130,6 +130,9 @@ class MediumKind {
   /// Whether such a file lacks information, so that it cannot be shown without assume().
   virtual bool assumes() const { return false; }
 
+  /// Whether lights that shine from everywhere alike light it.
+  virtual bool takesAmbient() const { return true; }
+
   /// A scene that shows only such a file, under the name `name`.
   virtual nlohmann::ordered_json sceneOf(const std::string& name) const;
 

@@ -54,11 +54,11 @@ Remark joined(std::span<const Lamp> all, std::span<const Lamp> few, const Box3& 
                       path, all.size(), few.size(), 100 * lampsDiffer(few, all, box))};
 }
 
-/// What fog alone does not take of light, or has no light for. What else may glow lights fog.
+/// What media that take no ambient light have no other light for. What else may glow lights them.
 void tellOfIdleLight(const SceneDescription& scene, const TriangleScene& geometry,
                      const std::string& file, Progress& progress) {
-  const auto isFog = [](const MediumEntry& entry) { return entry.kind->name() == "fog"; };
-  if (scene.media.empty() || !geometry.empty() || !std::ranges::all_of(scene.media, isFog))
+  const auto takes = [](const MediumEntry& entry) { return entry.kind->takesAmbient(); };
+  if (scene.media.empty() || !geometry.empty() || std::ranges::any_of(scene.media, takes))
     return;
   const auto tell = [&](const std::string& place, std::string_view why) {
     progress.remark(
@@ -66,7 +66,8 @@ void tellOfIdleLight(const SceneDescription& scene, const TriangleScene& geometr
             file, place));
   };
   if (scene.lights.ambient.maxCoeff() > 0)
-    tell("/lights", "fog takes no ambient light; its color is the light it adds");
+    tell("/lights", fmt::format("{} takes no ambient light; its color is the light it adds",
+                                scene.media.front().kind->name()));
   if (!scene.lights.lamps.empty())
     return;
   if (scene.lights.multiple)

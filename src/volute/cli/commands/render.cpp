@@ -371,12 +371,12 @@ Status refuseInMeasured(const Arguments& arguments) {
 }
 
 /// What shows nothing in the kind of picture that is written.
-Status refuseIdleLight(const Arguments& arguments, const std::string& target) {
+Status refuseIdleLight(const Arguments& arguments, const std::string& target, Progress& progress) {
   const auto aov = arguments.find<std::string>("aov").value_or("");
   for (const char* name : {"background", "emission"}) {
     if (arguments.given(name) && (aov == "optical-depth" || aov == "transmittance"))
-      return fail(ErrorCode::kInvalidArgument, "--{} has no effect: --aov {} shows no light", name,
-                  aov);
+      progress.remark({RemarkCode::kLeftOut,
+                       fmt::format("--{} has no effect: --aov {} shows no light", name, aov)});
   }
   const auto exposure = arguments.get<std::string>("exposure"),
              tone = arguments.get<std::string>("tone");
@@ -414,7 +414,7 @@ Status runRender(const Arguments& arguments, Context& context) {
   const auto target = arguments.get<std::string>("output");
   VOLUTE_TRY(checkRenderTargets(arguments, target));
   VOLUTE_TRY(refuseInMeasured(arguments));
-  VOLUTE_TRY(refuseIdleLight(arguments, target));
+  VOLUTE_TRY(refuseIdleLight(arguments, target, context.progress));
   VOLUTE_TRY(refuseInContour(arguments));
   if (!isFilmPath(target))
     VOLUTE_TRY(checkFolderIsShared(target, context.team));

@@ -22,6 +22,8 @@ class FogKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return fogFields(); }
 
+  bool takesAmbient() const override { return false; }  // its colour is the light it adds
+
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext& context) const override {
     VOLUTE_ASSIGN(auto fog, parseFog(entry, {context.file, context.path}));
