@@ -98,16 +98,17 @@ struct StoredPng {
 [[nodiscard]] Result<StoredPng> readStoredPng(const std::filesystem::path& path,
                                               std::uint64_t maxMemory);
 
-/// What a .png states besides its pixels.
-struct PngExtras {
-  int pictures = 1;        ///< of an animated one; the first is read
+/// What the head of a .png says.
+struct PngKind {
+  int channels = 1;  ///< without alpha
+  int bits = 8;      ///< 16, or 8 where it has as many or fewer
+  /// How it stores light: "sRGB", "gAMA 1", "an ICC profile", "cICP 1, 13"; empty: not stated.
+  std::string color{};
+  int pictures = 1;        ///< of an animated one (APNG); the first is read
   double pixelAspect = 1;  ///< width of a pixel / its height
 };
 
-[[nodiscard]] Result<PngExtras> readPngExtras(const std::filesystem::path& path);
-
-/// Bits of a channel of a .png: 16, or 8 where it has as many or fewer.
-[[nodiscard]] Result<int> readPngBits(const std::filesystem::path& path);
+[[nodiscard]] Result<PngKind> readPngKind(const std::filesystem::path& path);
 
 /// Writes a .png of 16 bits in sRGB.
 /// @param color  linear RGB, or one channel; clamped to 0..1

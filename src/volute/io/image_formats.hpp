@@ -14,18 +14,6 @@ namespace volute {
 [[nodiscard]] Result<std::optional<std::vector<double>>> readPngCurve(
     const std::filesystem::path& path);
 
-/// What the head of a .png says.
-struct PngKind {
-  int channels = 1;  ///< without alpha
-  int bits = 8;      ///< 8 or 16
-  /// How it stores light: "sRGB", "gAMA 1", "an ICC profile", "cICP 1, 13"; empty: not stated.
-  std::string color{};
-};
-
-[[nodiscard]] Result<PngKind> readPngKind(const std::filesystem::path& path);
-
-/// How many pictures a .png shows one after the other: 1 but for an animation (APNG).
-[[nodiscard]] Result<int> countPngPictures(const std::filesystem::path& path);
 [[nodiscard]] Status writePng(const std::filesystem::path& path, const Image& image,
                               const ImageNotes& notes);
 [[nodiscard]] Status writePngMap(const std::filesystem::path& path, const Image& map);

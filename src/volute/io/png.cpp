@@ -40,6 +40,7 @@ struct PngState {
   bool hasAlpha = false;
   int orientation = 1;  // as EXIF counts
   int pictures = 1;     // of an animation (acTL)
+  double pixelAspect = 1;
   // Of pictures whose pixels are indices: RGBA of each; libpng takes what is beyond it for black.
   std::vector<std::array<png_byte, 4>> palette;
   // What it states of its colors.
@@ -224,6 +225,10 @@ bool readPngHeader(png_structp png, png_infop info, PngState& state) {
   state.channels =
       ((type & PNG_COLOR_MASK_COLOR) ? 3 : 1) + (state.keepAlpha && state.hasAlpha ? 1 : 0);
   state.bits = png_get_bit_depth(png, info) == 16 ? 16 : 8;
+  constexpr double kSquare = 0.01;
+  const double aspect = png_get_pixel_aspect_ratio(png, info);  // 0: not stated
+  if (aspect > 0 && std::abs(aspect - 1) >= kSquare)
+    state.pixelAspect = aspect;
   return true;
 }
 
@@ -391,7 +396,7 @@ Result<PngKind> readPngKind(const std::filesystem::path& path) {
   PngState state;
   state.headerOnly = true;
   VOLUTE_TRY(readPngFile(path, {}, state));
-  PngKind kind{state.channels, state.bits};
+  PngKind kind{state.channels, state.bits, "", state.pictures, state.pixelAspect};
   if (state.codePoints)
     kind.color = fmt::format("cICP {}, {}", (*state.codePoints)[0], (*state.codePoints)[1]);
   else if (state.srgb)
@@ -401,45 +406,6 @@ Result<PngKind> readPngKind(const std::filesystem::path& path) {
   else if (state.gamma > 0)
     kind.color = fmt::format("gAMA {:.4g}", state.gamma);
   return kind;
-}
-
-Result<int> countPngPictures(const std::filesystem::path& path) {
-  PngState state;
-  state.headerOnly = true;
-  VOLUTE_TRY(readPngFile(path, {}, state));
-  return state.pictures;
-}
-
-Result<int> readPngBits(const std::filesystem::path& path) {
-  PngState state;
-  state.headerOnly = true;
-  VOLUTE_TRY(readPngFile(path, {}, state));
-  return state.bits;
-}
-
-Result<PngExtras> readPngExtras(const std::filesystem::path& path) {
-  constexpr std::uint64_t kSignature = 8, kFrame = 12;  // bytes; of a chunk: length, type, checksum
-  constexpr double kSquare = 0.01;
-  VOLUTE_ASSIGN(const auto file, InputFile::open(path));
-  PngExtras extras;
-  std::array<unsigned char, 16> head{};  // length, type, and the first two numbers of the content
-  const auto number = [&](std::size_t at) {
-    return std::uint32_t{head[at]} << 24 | std::uint32_t{head[at + 1]} << 16 |
-           std::uint32_t{head[at + 2]} << 8 | head[at + 3];
-  };
-  for (std::uint64_t at = kSignature; at + head.size() <= file.size(); at += number(0) + kFrame) {
-    VOLUTE_TRY(file.read(at, std::as_writable_bytes(std::span(head))));
-    const std::string_view type(reinterpret_cast<const char*>(&head[4]), 4);
-    if (type == "IDAT")
-      break;
-    if (type == "acTL")
-      extras.pictures = static_cast<int>(std::min(number(8), std::uint32_t{1} << 30));
-    if (type == "pHYs" && number(8) > 0 && number(12) > 0)
-      extras.pixelAspect = static_cast<double>(number(12)) / number(8);
-  }
-  if (std::abs(extras.pixelAspect - 1) < kSquare)
-    extras.pixelAspect = 1;
-  return extras;
 }
 
 Result<StoredPng> readStoredPng(const std::filesystem::path& path, std::uint64_t maxMemory) {

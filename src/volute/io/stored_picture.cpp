@@ -500,12 +500,11 @@ Result<PictureKind> pictureKind(const std::filesystem::path& path, std::uint64_t
       kind.stated = png.color;
       kind.curve = std::move(*curve);
     }
-    VOLUTE_ASSIGN(const int pictures, countPngPictures(path));
-    if (pictures > 1)
+    if (png.pictures > 1)
       kind.remarks.emplace_back(
           RemarkCode::kLeftOut,
           fmt::format("a .png is an animation of {} pictures, of which the first counts",
-                      pictures));
+                      png.pictures));
     return kind;
   }
   if (isPnm(extension)) {

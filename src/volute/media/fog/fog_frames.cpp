@@ -53,7 +53,8 @@ Result<Color> readPngColor(const std::string& path, std::uint64_t maxMemory) {
       color.pixels.color.pixels[i] *= color.pixels.alpha->pixels[i / 3];
   }
   color.pixels.part.data = color.pixels.part.display = {0, 0, image.width, image.height};
-  VOLUTE_ASSIGN(color.pixels.bits, readPngBits(path));
+  VOLUTE_ASSIGN(const PngKind kind, readPngKind(path));
+  color.pixels.bits = kind.bits;
   return color;
 }
 
@@ -455,7 +456,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
   out.others = std::move(color.others);
   if (extensionOf(frame.color) == ".png") {
-    VOLUTE_ASSIGN(const auto extras, readPngExtras(frame.color));
+    VOLUTE_ASSIGN(const PngKind extras, readPngKind(frame.color));
     color.pixels.part.pixelAspect = extras.pixelAspect;
     if (extras.pictures > 1) {
       out.remarks.push_back(

@@ -103,7 +103,7 @@ Status tellOfExr(const std::string& path, const Image& image, const std::string&
 
 /// Of a .png: what is not read of it.
 Status tellOfPng(const std::string& path, ToldOfMaps& told, Progress& progress) {
-  VOLUTE_ASSIGN(const auto extras, readPngExtras(path));
+  VOLUTE_ASSIGN(const auto extras, readPngKind(path));
   if (extras.pictures > 1 && told.insert("pictures").second) {
     progress.remark(
         Remark{RemarkCode::kLeftOut,
