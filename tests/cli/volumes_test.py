@@ -297,7 +297,7 @@ class Volumes(support.TestCase):
         for how, end in (("background", "replaced by the background"), ("inactive", "left out: their voxels are inactive")):
             done = self.works("compress", self.path("a.npy"), "-o", self.path("a.volute"), "--not-finite", how, "--json")
             self.assertEqual(done.json["replaced_values"], 600)
-            self.assertIn(f"'density': 600 values are no finite numbers and {end}", str(done.json["remarks"]))
+            self.assertIn(f"'density': 600 values are not finite, and {end}", str(done.json["remarks"]))
 
     def test_chunks_that_are_missing_are_told(self):
         folder = self.path("a.zarr/soot")

@@ -44,6 +44,7 @@ std::string readingText(const CaptureCamera& camera, bool& missing) {
   };
   if (pictures.response)
     text += ", " + pictures.response->name();
+  add("exposure", pictures.exposure, 1);
   add("gain", pictures.gain, 1);
   if ((pictures.channelGain != 1).any())
     text += ", gains " + vectorText(Vec3(pictures.channelGain.matrix()));

@@ -7,7 +7,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
-#include <numeric>
 #include <regex>
 #include <set>
 #include <unordered_map>
@@ -364,23 +363,10 @@ void remarkOnIdleStoring(const CaptureOptions& options, CaptureDraft& draft) {
 
 /// Frames between others of which no camera has a picture.
 void remarkOnGaps(const std::vector<int>& frames, std::vector<Remark>& remarks) {
-  constexpr int kNamed = 5;
-  int step = 0, missing = 0;
-  std::vector<int> named;
-  for (std::size_t i = 1; i < frames.size(); ++i) step = std::gcd(step, frames[i] - frames[i - 1]);
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    const int gone = (frames[i] - frames[i - 1]) / step - 1;
-    for (int k = 1; k <= std::min(gone, kNamed - missing); ++k)
-      named.push_back(frames[i - 1] + k * step);
-    missing += gone;
-  }
-  if (missing > 0)
+  if (const std::string text = missingNumbers(frames); !text.empty())
     remarks.emplace_back(
         RemarkCode::kDoubtful,
-        fmt::format(
-            "no camera has a picture of frame{} {}{}, between others; \"frames\" names those "
-            "that are meant",
-            missing > 1 ? "s" : "", fmt::join(named, ", "), missing > kNamed ? " and more" : ""));
+        text + ": no camera has a picture of them; \"frames\" names those that are meant");
 }
 
 /// All frames of the capture: those that are stated, else those of which there are pictures; of

@@ -241,18 +241,9 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
     tellOfOthers(scene, *leader, request, progress);
   const FrameRange range = request.frames.value_or(FrameRange{});
   VOLUTE_ASSIGN(const auto positions, positionsOf(info, range));
-  const double firstFrame = info.frameScale.frame(info.numbers.front()),
-               lastFrame = info.frameScale.frame(info.numbers.back());
-  const double step =  // in which they are numbered; an end before the next one is usual
-      std::max(1.0, (lastFrame - firstFrame) /
-                        std::max(static_cast<double>(info.numbers.size()) - 1, 1.0));
-  if (range.end && *range.end > lastFrame + step) {
+  if (const auto text = beyondText(range, info.numbers, info.frameScale); !text.empty())
     progress.remark(
-        Remark{RemarkCode::kLeftOut,
-               fmt::format("{}: its frames end with {}; frames {} reach beyond", info.file,
-                           frameText(info.numbers.back(), info.frameScale), toString(range))}
-            .in(info.file));
-  }
+        Remark{RemarkCode::kDoubtful, fmt::format("{}: {}", info.file, text)}.in(info.file));
   if (film && info.interpolates && range.step > 1) {
     return failFor("frames", ErrorCode::kInvalidArgument,
                    "a film of {} has {:g} pictures a second between the first and the last "

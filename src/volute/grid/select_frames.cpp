@@ -95,6 +95,17 @@ FrameRange FrameRange::only(double frame) {
   return {frame, std::nextafter(frame, std::numeric_limits<double>::infinity()), 1};
 }
 
+std::string beyondText(const FrameRange& range, std::span<const int> numbers, FrameScale scale) {
+  const double first = scale.frame(numbers.front()), last = scale.frame(numbers.back());
+  const double step = std::max((last - first) / std::max(std::ssize(numbers) - 1.0, 1.0), 1.0);
+  const double begin = range.begin.value_or(first), end = range.end.value_or(begin);
+  const double lastAsked = begin + range.step * (std::ceil((end - begin) / range.step) - 1);
+  if (begin >= first - step && lastAsked <= last + step - 1)
+    return "";
+  return fmt::format("frames {} are asked for; it has {} to {}", toString(range),
+                     frameText(numbers.front(), scale), frameText(numbers.back(), scale));
+}
+
 std::string toString(const FrameRange& range) {
   const auto number = [](const std::optional<double>& one) {
     return one ? fmt::format("{}", *one) : std::string();

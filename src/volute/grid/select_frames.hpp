@@ -49,6 +49,10 @@ struct StatedInfo {
 std::unique_ptr<FrameSource> asStated(std::unique_ptr<FrameSource> source,
                                       const StatedInfo& stated);
 
+/// "frames 2:99 are asked for; it has 0 to 3", where a range begins or ends farther from `numbers`,
+/// ascending, than one step of theirs; else empty.
+std::string beyondText(const FrameRange& range, std::span<const int> numbers, FrameScale scale);
+
 /// The range as a person writes it: "37", "37:40", "0:100:5".
 std::string toString(const FrameRange& range);
 

@@ -58,7 +58,7 @@ Result<std::uint64_t> tellReplaced(const std::string& path, const std::string& g
     reading.progress.remark(
         Remark(RemarkCode::kNote,  // as it was asked for
                fmt::format("{}: '{}': {} value{} {}", path, grid, count,
-                           count == 1 ? " is no finite number" : "s are no finite numbers",
+                           count == 1 ? " is not finite," : "s are not finite,",
                            what == NotFinite::kInactive ? "and left out: their voxels are inactive"
                                                         : "and replaced by the background"))
             .in(path));

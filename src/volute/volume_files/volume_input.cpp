@@ -249,21 +249,9 @@ bool hasUsualBounds(const VolumeInfo& info) {
 
 void remarkOnRange(const std::string& path, const VolumeInfo& info, const FrameRange& range,
                    Reading& reading) {
-  const double first = info.frameScale.frame(info.frameNumbers.front());
-  const double last = info.frameScale.frame(info.frameNumbers.back());
-  const double begin = range.begin.value_or(first);
-  const double end = range.end.value_or(begin);
-  const double lastAsked = begin + range.step * (std::ceil((end - begin) / range.step) - 1);
-  // An end before the next frame of those that are numbered in steps is usual.
-  const double step =
-      (last - first) / std::max(static_cast<double>(info.frameNumbers.size()) - 1, 1.0);
-  if (begin >= first && lastAsked <= std::max(last, last + step - 1))
-    return;
-  reading.progress.remark(
-      Remark(RemarkCode::kDoubtful,
-             fmt::format("{}: frames {} are asked for; it has {} to {}", path, toString(range),
-                         info.frameText(0), info.frameText(info.frameNumbers.size() - 1)))
-          .in(path));
+  if (const auto text = beyondText(range, info.frameNumbers, info.frameScale); !text.empty())
+    reading.progress.remark(
+        Remark(RemarkCode::kDoubtful, fmt::format("{}: {}", path, text)).in(path));
 }
 
 namespace {
