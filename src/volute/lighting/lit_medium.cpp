@@ -91,6 +91,10 @@ bool isUneven(std::span<const Segment> steps, std::span<const double> depths, st
   return changes * std::max({before, own, after}) * passed > kShows;
 }
 
+double depthOf(const Radiance& part) {
+  return -std::log(std::max(part.transmittance, 1e-300));
+}
+
 /// The steps of several rays, and what a medium does in each.
 struct Steps {
   std::vector<std::size_t> begins;  ///< of each ray's, and behind the last one's
@@ -100,7 +104,7 @@ struct Steps {
 
   void add(const Segment& step, const Radiance& part) {
     steps.push_back(step), parts.push_back(part);
-    depths.push_back(-std::log(std::max(part.transmittance, 1e-300)));
+    depths.push_back(depthOf(part));
   }
 
   template <class T>
@@ -431,21 +435,19 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
   if (dependsOnEnd())  // so it cannot be asked in steps
     return radianceByPieces(*this, segments, out);
   std::vector<Ray> rays;
-  std::vector<Segment> steps;
-  std::vector<std::size_t> begins;
-  std::vector<Radiance> parts;
   std::vector<SunPlaces> suns(fields_.size());
   for (std::size_t first = 0; first < segments.size(); first += kSegmentsAtOnce) {
     const std::size_t count = std::min(kSegmentsAtOnce, segments.size() - first);
-    rays.clear(), steps.clear(), begins.clear();
+    rays.clear();
+    Steps all;
     for (const Segment& segment : segments.subspan(first, count)) {
       Ray& ray = rays.emplace_back(*this, segment);
-      begins.push_back(steps.size());
+      all.begins.push_back(all.steps.size());
       Segment step = segment;
       const auto until = [&](double s) {
         step.end = s;
         if (!step.empty())
-          steps.push_back(step);
+          all.steps.push_back(step);
         step.begin = s;
       };
       if (!ray.lit().empty()) {
@@ -470,18 +472,17 @@ void LitMedium::radiance(std::span<const Segment> segments, std::span<Radiance> 
       }
       until(segment.end);
     }
-    begins.push_back(steps.size());
-    parts.resize(steps.size());
-    medium_.radiance(steps, parts);
-    Steps even{begins, {}, {}, {}};
-    for (std::size_t k = 0; k < steps.size(); ++k) even.add(steps[k], parts[k]);
-    even = withoutUneven(medium_, std::move(even));
+    all.begins.push_back(all.steps.size());
+    all.parts.resize(all.steps.size());
+    medium_.radiance(all.steps, all.parts);
+    for (const Radiance& part : all.parts) all.depths.push_back(depthOf(part));
+    all = withoutUneven(medium_, std::move(all));
     for (std::size_t i = 0; i < count; ++i) {
-      const auto itsSteps = even.of(even.steps, i);
-      const auto itsDepths = even.of(even.depths, i);
+      const auto itsSteps = all.of(all.steps, i);
+      const auto itsDepths = all.of(all.depths, i);
       Radiance sum;
       for (std::size_t k = 0; k < itsSteps.size(); ++k)
-        add(rays[i], itsSteps, even.parts[even.begins[i] + k], itsDepths, k, suns, sum);
+        add(rays[i], itsSteps, all.parts[all.begins[i] + k], itsDepths, k, suns, sum);
       addSuns(rays[i], suns, sum);
       out[first + i] = sum;
     }

@@ -566,7 +566,8 @@ std::vector<Option> renderOptionTable() {
       {.name = "colormap",
        .kind = kChoice,
        .value = "NAME",
-       .help = "colour map of volumes with one channel, in .png and films",
+       .help = "colour map of volumes with one channel, in .png and films; a file's values are "
+               "shown without a preset then, unless --preset is given",
        .initial = "grey",
        .choices = {"grey", "viridis", "inferno"}},
       {.name = "speed",

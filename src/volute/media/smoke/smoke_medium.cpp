@@ -335,9 +335,12 @@ void SmokeMedium::addThinSmoke(double most, const std::string& when,
 
 void SmokeMedium::tellOverlap(const Stored& stored) {
   constexpr double kTold = 1e-4;  // of the volume
-  const TetOverlap overlap = stored.paths->locator()->overlap();
-  if (!(overlap.share > kTold) || std::exchange(files_->overlapTold, true))
+  if (files_->overlapTold)
     return;
+  const TetOverlap overlap = stored.paths->locator()->overlap();
+  if (!(overlap.share > kTold))
+    return;
+  files_->overlapTold = true;
   progress_->remark(
       Remark(
           RemarkCode::kDoubtful,
