@@ -472,6 +472,7 @@ class Frames(FogCase):
                            (("--border", "clamp"), "border has no effect"), (("--fps", "30"), "--fps has no effect")):
             self.assertIn(text, self.works(*self.words(*more)).message)
             self.assertIn(text, self.fails(1, *self.words(*more, "--strict", out="none.exr")))
+            self.assertFalse(self.path("none.exr").exists())
         self.assertNotIn("no effect", self.works(*self.words("--mu", "0.5", "--levels", "2")).message)
         self.assertIn("levels has no effect: the finest one", self.works(*self.words("--levels", "2")).message)
         both = self.works(*self.words("--levels", "2", "--cell-angle", ".1", "--mu", ".5"))

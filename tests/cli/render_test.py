@@ -208,7 +208,8 @@ class Render(support.TestCase):
             self.assertGreater(stats[key], 0, key)
 
     def test_colour_maps_are_for_one_channel(self):
-        self.works("render", self.block(), "-o", self.path("x.png"), "--size", "4x4", "--colormap", "viridis")
+        done = self.works("render", self.block(), "-o", self.path("x.png"), "--size", "4x4", "--colormap", "viridis")
+        self.assertRegex(done.message, "the colours are of 0 to ")
         self.assertIn("RGB", self.fails(2, "render", self.make_volute(channels=3), "-o", self.path("y.png"), "--colormap",
                                         "inferno"))
         said = self.fails(2, "render", self.path("block.npy"), "-o", self.path("y.png"), "--preset", "smoke", "--colormap", "inferno")

@@ -17,6 +17,8 @@
 namespace volute {
 namespace {
 
+std::atomic<bool> outputsWithheld = false;
+
 /// Where a target is: symbolic links lead there.
 Result<std::filesystem::path> placeOf(const std::filesystem::path& target,
                                       const std::string& name) {
@@ -125,6 +127,7 @@ PendingFile& PendingFile::operator=(PendingFile&& other) noexcept {
 }
 
 Status PendingFile::commit() {
+  VOLUTE_TRY(checkNotWithheld(name_));
   if (isProtected(target_, place_)) {
     return fail(ErrorCode::kInvalidArgument,
                 "{}: is read by this run and would be replaced; give another name", name_);
@@ -134,6 +137,16 @@ Status PendingFile::commit() {
     return fail(ErrorCode::kIo, "{}: cannot finish writing: {}", name_, std::strerror(errno));
   temporary_.clear();
   return syncFolderOf(place_, name_);
+}
+
+void withholdOutputs(bool withheld) {
+  outputsWithheld = withheld;
+}
+
+Status checkNotWithheld(const std::string& name) {
+  if (outputsWithheld)
+    return fail(ErrorCode::kCancelled, "{}: not written: the run failed before", name);
+  return {};
 }
 
 Result<OutputFile> OutputFile::create(const std::filesystem::path& target,

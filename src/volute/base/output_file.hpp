@@ -49,6 +49,13 @@ class PendingFile {
   std::string name_;
 };
 
+/// While it is so, no output of this process gets its name, a folder neither: commit() is
+/// kCancelled. For any thread.
+void withholdOutputs(bool withheld);
+
+/// kCancelled while outputs are withheld.
+[[nodiscard]] Status checkNotWithheld(const std::string& name);
+
 /// A PendingFile with a descriptor: bytes in order, then commit(). "-" as the target is standard
 /// output.
 class OutputFile {

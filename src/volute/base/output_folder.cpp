@@ -19,6 +19,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
+#include "volute/base/output_file.hpp"
 
 namespace volute {
 namespace {
@@ -187,6 +188,7 @@ PendingFolder::PendingFolder(PendingFolder&& other) noexcept
     : temporary_(std::exchange(other.temporary_, {})), target_(std::move(other.target_)) {}
 
 Status PendingFolder::commit() {
+  VOLUTE_TRY(checkNotWithheld(target_.string()));
   VOLUTE_TRY(writeList(temporary_));
   VOLUTE_TRY(sync(temporary_));
   const fs::path replaced = fs::path(temporary_).replace_extension(kReplaced);

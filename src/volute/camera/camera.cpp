@@ -149,8 +149,7 @@ Camera Camera::orthographic(const View3& view, double extent, int width, int hei
   return camera;
 }
 
-Camera Camera::framing(const Box3& bounds, int width, int height, const Vec3& up) {
-  constexpr double kFov = 40;
+Camera Camera::framing(const Box3& bounds, int width, int height, const Vec3& up, double fov) {
   constexpr double kMargin = 1.06;
   const bool usable = !bounds.empty() && bounds.min.allFinite() && bounds.max.allFinite();
   const Box3 box = usable ? bounds : Box3{Vec3::Constant(-0.5), Vec3::Constant(0.5)};
@@ -158,7 +157,7 @@ Camera Camera::framing(const Box3& bounds, int width, int height, const Vec3& up
   view.target = box.centre();
   view.eye = view.target + turnOfZ(up) * Vec3(0.35, -1, 0.3);
   view.up = up;
-  Camera camera = pinhole(view, kFov, width, height);
+  Camera camera = pinhole(view, fov, width, height);
   // The nearest distance at which every corner lies inside the image.
   const double halfHeight = 0.5 * height * camera.pixelSize_ / kMargin;
   const double halfWidth = 0.5 * width * camera.pixelSize_ / kMargin;

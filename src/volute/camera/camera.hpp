@@ -49,8 +49,12 @@ class Camera {
 
   /// A view of all of `bounds` from slightly above and to the side, with a margin. Empty or
   /// infinite bounds are replaced by a cube of 1 m around the origin.
-  /// @param up  of the picture, whatever its length but 0
-  static Camera framing(const Box3& bounds, int width, int height, const Vec3& up = Vec3::UnitZ());
+  /// @param up   of the picture, whatever its length but 0
+  /// @param fov  as of pinhole()
+  static Camera framing(const Box3& bounds, int width, int height, const Vec3& up = Vec3::UnitZ(),
+                        double fov = kUsualFov);
+
+  static constexpr double kUsualFov = 40;  ///< [degrees]
 
   /// The camera of a rectangle of this camera's picture, whose pixel (0, 0) is (left, top) here:
   /// the same rays for the same pixels. The rectangle may extend outside the picture.

@@ -11,6 +11,7 @@
 #include <cstdlib>
 
 #include "volute/base/interrupt.hpp"
+#include "volute/base/output_file.hpp"
 #include "volute/base/printable.hpp"
 
 namespace volute::cli {
@@ -56,6 +57,8 @@ Console::Console(std::string command, Volume volume, SettingText settings, bool 
 }
 
 Console::~Console() {
+  if (strict_)
+    withholdOutputs(false);
   clear();
 }
 
@@ -121,6 +124,10 @@ void Console::remark(const Remark& remark) {
   if (!said_.insert({text, remark.file, remark.place}).second)
     return;
   remarks_.push_back(remark);
+  if (strict_ && remark.code != RemarkCode::kNote) {  // is said as the command's error
+    withholdOutputs(true);
+    return;
+  }
   if (volume_ == Volume::kQuiet)
     return;
   clear();
@@ -132,7 +139,7 @@ Status Console::strictness() const {
       remarks_, [](const Remark& remark) { return remark.code != RemarkCode::kNote; });
   if (!strict_ || found == remarks_.end())
     return {};
-  Error error{ErrorCode::kInvalidData, found->sentence};
+  Error error{ErrorCode::kInvalidData, "not with --strict: " + found->sentence};
   error.path = found->file, error.member = found->file.empty() ? "" : found->place;
   error.hints = found->hints;
   return tl::unexpected<Error>(std::move(error));

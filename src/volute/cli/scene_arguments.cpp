@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/cli/file_kind.hpp"
-#include "volute/film/render_request.hpp"
 #include "volute/lighting/light_cache.hpp"
 #include "volute/scene/kinds.hpp"
 
@@ -154,29 +153,34 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
                            : GlSmokeMethod::kProject;
 }
 
-Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments) {
-  const auto eye = arguments.find<Vec3>("eye");
-  const auto target = arguments.find<Vec3>("target");
-  const auto fov = arguments.find<double>("fov");
-  const auto ortho = arguments.find<double>("ortho");
-  const bool byHand = eye || target || fov || ortho;  // "up" alone turns the usual view
+Status takeCamera(const Arguments& arguments, RenderRequest& request) {
+  const ViewParts parts{arguments.find<Vec3>("eye"), arguments.find<Vec3>("target"),
+                        arguments.find<Vec3>("up"), arguments.find<double>("fov"),
+                        arguments.find<double>("ortho")};
   if (const auto file = arguments.find<std::string>("camera")) {
-    if (byHand || arguments.given("up"))
+    if (parts.any())
       return fail(
           ErrorCode::kInvalidArgument,
           "--camera names a whole view; leave out --eye, --target, --up, --fov and --ortho");
-    VOLUTE_ASSIGN(auto camera, readCamera(*file));
-    return camera;
+    VOLUTE_ASSIGN(request.camera, readCamera(*file));
+    return {};
   }
-  if (!byHand)
-    return std::nullopt;
-  if (!eye || !target || fov.has_value() == ortho.has_value()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "a view needs --eye, --target, and one of --fov and --ortho");
-  }
-  VOLUTE_ASSIGN(const auto members, membersOf(cameraFields(), arguments));
+  if (!parts.any())
+    return {};
+  VOLUTE_ASSIGN(auto members, membersOf(cameraFields(), arguments));
+  const bool placed = parts.eye && parts.target, whole = placed && (parts.fov || parts.ortho);
+  const Vec3 up = parts.up.value_or(Vec3::UnitZ());
+  const Vec3 eye = parts.eye.value_or(Vec3::Zero());
+  const Vec3 aside = up.norm() > 0 ? up.unitOrthogonal() : Vec3(Vec3::UnitX());
+  const Vec3 target = placed ? *parts.target : Vec3(eye + aside);
+  // What is left open must not be what is wrong.
+  members["eye"] = {eye.x(), eye.y(), eye.z()};
+  members["target"] = {target.x(), target.y(), target.z()};
+  if (!parts.fov && !parts.ortho)
+    members["fov"] = Camera::kUsualFov;
   VOLUTE_ASSIGN(auto camera, parseCamera(members, {}));
-  return camera;
+  whole ? void(request.camera = camera) : void(request.parts = parts);
+  return {};
 }
 
 }  // namespace volute::cli

@@ -9,8 +9,8 @@
 #include "volute/cli/arguments.hpp"
 #include "volute/cli/context.hpp"
 #include "volute/cli/field_options.hpp"
+#include "volute/film/render_request.hpp"
 #include "volute/gl/gl_smoke_method.hpp"
-#include "volute/media/camera_file.hpp"
 #include "volute/scene/scene.hpp"
 
 namespace volute::cli {
@@ -45,7 +45,7 @@ Error aboutOptions(Error error, const std::string& path);
 /// --smoke-method; kInvalidArgument where one is named and OpenGL does not draw.
 [[nodiscard]] Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl);
 
-/// From --camera or --eye, --target, --up and --fov or --ortho; nothing when none of them is given.
-[[nodiscard]] Result<std::optional<CameraDescription>> cameraOf(const Arguments& arguments);
+/// `camera` or `parts` of a request from --camera, or --eye, --target, --up and --fov or --ortho.
+[[nodiscard]] Status takeCamera(const Arguments& arguments, RenderRequest& request);
 
 }  // namespace volute::cli

@@ -137,7 +137,7 @@ void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions
 
 Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemory,
                Progress& progress) {
-  VOLUTE_ASSIGN(auto seen, pictureCamera(job.scene, request.camera, request.size, request.up));
+  VOLUTE_ASSIGN(auto seen, pictureCamera(job.scene, request.camera, request.size, request.parts));
   FrameRequest frames = request.frames;
   if (seen.description && !seen.description->keys.empty())
     frames.pathEnd = seen.description->keys.back().time;
@@ -158,7 +158,7 @@ Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemo
   job.legend = request.legend.value_or(captioned);
   job.orbit = request.frames.orbit.value_or(0) * std::numbers::pi / 180;
   job.orbitCentre =
-      seen.description ? seen.description->view.target : Vec3(job.scene.bounds().centre());
+      seen.description ? seen.description->view.target : Vec3(job.scene.framed().centre());
   constexpr double kNarrow = 2;  // [degrees]: a lens of 700 mm on film of 24 x 36 mm
   if (const auto fov = seen.description ? seen.description->fov : std::nullopt;
       fov && *fov < kNarrow) {
@@ -274,7 +274,7 @@ Result<Image> linearPicture(FilmJob& job, const Development& development, Progre
 
 Result<Image> visiblePicture(FilmJob& job, Development& development, Progress& progress) {
   if (development.style.exposure == 0) {
-    VOLUTE_ASSIGN(development.style.exposure, usualExposure(job, development.style.tone, progress));
+    VOLUTE_ASSIGN(development.style.exposure, usualExposure(job, development, progress));
   }
   VOLUTE_ASSIGN(const Image image, linearPicture(job, development, progress));
   return developed(image, development, job.textOf(job.frames.front()));

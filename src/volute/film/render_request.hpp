@@ -15,7 +15,7 @@ namespace volute {
 struct RenderRequest {
   FrameRequest frames{};
   std::optional<CameraDescription> camera{};  ///< else the scene's, else one that frames it
-  Vec3 up = Vec3::UnitZ();                    ///< of a camera that frames it
+  ViewParts parts{};                          ///< of the scene's, or of one that frames it
   std::optional<Pixels> size{};               ///< else the camera's, else 800 x 600
   std::optional<Rgb> background{};            ///< else the scene's
   Aov aov = Aov::kNone;

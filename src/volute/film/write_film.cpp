@@ -64,7 +64,7 @@ void remarkOnDuration(double seconds, std::int64_t count, std::int64_t ranks, Pr
 
 /// One exposure for all pictures: from some of them, small ones, or, where they are measured, from
 /// the middle one.
-Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
+Result<double> exposureFor(FilmJob& job, const Development& how, Progress& progress) {
   constexpr std::size_t kTried = 7;
   constexpr int kPixels = 240;  // of the longer side
   const Camera whole = job.camera;
@@ -104,7 +104,14 @@ Result<double> exposureFor(FilmJob& job, ToneCurve tone, Progress& progress) {
                      tried == 1 ? "the picture is" : "all pictures that were tried are")});
     return 1.0;
   }
-  const double exposure = suggestExposure(pictures, tone);
+  if (how.colorMap) {  // its end: of all values, and a little more of pictures that were not tried
+    constexpr float kBeyond = 1.05F;
+    float most = 0;
+    for (const Image& picture : pictures) most = std::max(most, std::ranges::max(picture.pixels));
+    progress.remark(fmt::format("the colours are of 0 to {:.4g}", kBeyond * most));
+    return 1 / static_cast<double>(kBeyond * most);
+  }
+  const double exposure = suggestExposure(pictures, how.style.tone);
   progress.remark(count == 1 ? fmt::format("exposure {:.4g}", exposure)
                              : fmt::format("exposure {:.4g} for all, from {} of {} pictures",
                                            exposure, tried, count));
@@ -321,7 +328,7 @@ class FilmPass {
       exposure = 1;
     } else if (exposure == 0) {
       if (team_.leads() || job_.together) {
-        VOLUTE_ASSIGN(exposure, usualExposure(job_, development_.style.tone, each()));
+        VOLUTE_ASSIGN(exposure, usualExposure(job_, development_, each()));
       }
       VOLUTE_ASSIGN(exposure, team_.broadcast(exposure));
     }
@@ -403,10 +410,10 @@ void addStats(nlohmann::ordered_json& sum, const nlohmann::ordered_json& other) 
 
 }  // namespace
 
-Result<double> usualExposure(FilmJob& job, ToneCurve tone, Progress& progress) {
+Result<double> usualExposure(FilmJob& job, const Development& how, Progress& progress) {
   if (hasScale(job))
     return 1;
-  return exposureFor(job, tone, progress);
+  return exposureFor(job, how, progress);
 }
 
 Status writeFilm(FilmJob& job, const std::string& target, Development& development,

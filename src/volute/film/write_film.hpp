@@ -20,8 +20,10 @@ namespace volute {
                                std::uint64_t maxMemory, Progress& progress, Team& team);
 
 /// The exposure of a job's pictures where none was asked for: 1 where their light is measured or
-/// has a scale, else one for all, from some of them.
-[[nodiscard]] Result<double> usualExposure(FilmJob& job, ToneCurve tone, Progress& progress);
+/// has a scale, else one for all, from some of them; of a colour map that with which none is beyond
+/// it.
+[[nodiscard]] Result<double> usualExposure(FilmJob& job, const Development& how,
+                                           Progress& progress);
 
 /// FilmJob::stats() of all ranks together. Collective.
 [[nodiscard]] Result<nlohmann::ordered_json> sumOfFilmStats(const FilmJob& job, Team& team);

@@ -111,4 +111,14 @@ Interval FogProfile::heights() const {
   return zones_.empty() ? Interval{} : Interval{zones_.front().bottom, zones_.back().top};
 }
 
+Interval FogProfile::seenHeights() const {
+  constexpr double kSeenScales = 5;
+  Interval seen = heights();
+  if (!zones_.empty() && zones_.back().decay > 0) {
+    const Zone& last = zones_.back();
+    seen.end = std::min(seen.end, std::max(last.bottom, last.reference) + kSeenScales / last.decay);
+  }
+  return seen;
+}
+
 }  // namespace volute

@@ -67,6 +67,9 @@ class FogProfile {
   /// From the bottom of the lowest zone to the top of the highest.
   Interval heights() const;
 
+  /// The same without what fades away: .7 % is left where an exponential profile ends.
+  Interval seenHeights() const;
+
  private:
   explicit FogProfile(std::vector<Zone> zones) : zones_(std::move(zones)) {}
 

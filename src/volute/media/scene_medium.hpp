@@ -25,8 +25,9 @@ struct MediumInfo {
   std::string kind;  ///< "volume": titles count media by kind
   std::string size;  ///< "64 x 64 x 64 voxels, 48 frames"; empty: nothing to be said
 
-  Box3 bounds;      ///< in the scene, over all times; may be infinite [m]
-  Box3 fileBounds;  ///< before what the scene does with it [m]
+  Box3 bounds;                   ///< in the scene, over all times; may be infinite [m]
+  std::optional<Box3> framed{};  ///< what a camera is to frame of it; nothing: its bounds [m]
+  Box3 fileBounds;               ///< before what the scene does with it [m]
 
   /// Times of the stored frames, in the scene's time, ascending; at least one [s].
   std::vector<double> times{0.0};

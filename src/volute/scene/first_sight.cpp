@@ -127,7 +127,7 @@ bool showsOneFile(const Scene& scene) {
 
 Result<FirstSight> firstSight(Scene& scene, Progress& progress, std::uint64_t enough) {
   const auto times = scene.times();
-  FirstSight sight{times.front(), scene.bounds(), ""};
+  FirstSight sight{times.front(), scene.framed(), ""};
 
   struct Look {
     double time;

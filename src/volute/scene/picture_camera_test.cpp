@@ -6,6 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volute/base/program.hpp"
+#include "volute/io/npy.hpp"
+
 namespace volute {
 namespace {
 
@@ -38,6 +41,43 @@ TEST(PictureCamera, TheOneAskedForGoesBeforeTheScenes) {
   const auto small = pictureCamera(scene, described(2, Pixels{64, 48}), Pixels{10, 20}).value();
   EXPECT_EQ(small.camera.width(), 10);
   EXPECT_EQ(small.camera.height(), 20);
+}
+
+TEST(PictureCamera, PartsOfAViewChangeThemAlone) {
+  const auto camera = [](const nlohmann::ordered_json& more, const ViewParts& parts) {
+    return pictureCamera(sceneOf(more), std::nullopt, Pixels{64, 48}, parts);
+  };
+  const nlohmann::ordered_json own = {
+      {"camera", {{"eye", {5, 0, 0}}, {"target", {5, 1, 0}}, {"fov", 40}}}};
+  const auto wide = camera(own, {.fov = 60}).value();
+  EXPECT_EQ(wide.description->view.eye, Vec3(5, 0, 0));
+  EXPECT_EQ(wide.description->fov, 60);
+  const auto flat = camera(own, {.target = Vec3(0, 0, 0), .ortho = 2}).value();
+  EXPECT_EQ(flat.description->view.target, Vec3(0, 0, 0));
+  EXPECT_FALSE(flat.description->fov);
+  const auto same = camera(own, {.target = Vec3(5, 0, 0)});
+  ASSERT_FALSE(same);
+  EXPECT_EQ(same.error().code, ErrorCode::kInvalidArgument);
+
+  // A block of 10 x 10 x 2 m without a camera.
+  VolumeInfo info;
+  info.frames = 1, info.x = info.y = info.z = 2;
+  info.fillDefaults();
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "block.npy").string();
+  auto sink = NpySink::create(file, info);
+  ASSERT_TRUE(sink && (*sink)->writeFrame(std::vector<float>(8, 1)) && (*sink)->finish());
+  const nlohmann::ordered_json block = {
+      {"kind", "volume"}, {"file", file}, {"bounds", {{0, 0, 0}, {10, 10, 2}}}};
+  const nlohmann::ordered_json none = {{"media", nlohmann::ordered_json::array({block})}};
+  const auto framed = camera(none, {}).value().camera;
+  const auto eye = camera(none, {.eye = Vec3(0, -9, 1)}).value();
+  EXPECT_EQ(eye.description->view.target, Vec3(5, 5, 1));
+  EXPECT_EQ(eye.description->fov, Camera::kUsualFov);
+  const auto target = camera(none, {.target = Vec3(1, 5, 1)}).value();
+  EXPECT_LT((target.camera.eye() - framed.eye() - Vec3(-4, 0, 0)).norm(), 1e-9);
+  const auto fov = camera(none, {.fov = 20}).value();
+  EXPECT_GT((fov.camera.eye() - Vec3(5, 5, 1)).norm(), 1.5 * (framed.eye() - Vec3(5, 5, 1)).norm());
 }
 
 TEST(PictureCamera, NothingToFrameIsSaid) {

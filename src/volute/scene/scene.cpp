@@ -375,15 +375,23 @@ void Scene::note(OrderedJson json) {
     entry.json = meant.at(nlohmann::json::json_pointer(entry.path));
 }
 
-Box3 Scene::bounds() const {
+Box3 Scene::boundsOf(Box3 (*ofMedium)(const MediumInfo&)) const {
   Box3 bounds;
-  for (const auto& medium : media_) bounds.extend(finite(medium->info().bounds));
+  for (const auto& medium : media_) bounds.extend(finite(ofMedium(medium->info())));
   if (!geometry_.empty())
     bounds.extend(geometry_.bounds());
   if (!bounds.empty())
     return bounds;
   const Vec3 target = description_.camera ? description_.camera->view.target : Vec3(Vec3::Zero());
   return {target - Vec3::Ones(), target + Vec3::Ones()};
+}
+
+Box3 Scene::bounds() const {
+  return boundsOf([](const MediumInfo& medium) { return medium.bounds; });
+}
+
+Box3 Scene::framed() const {
+  return boundsOf([](const MediumInfo& medium) { return medium.framed.value_or(medium.bounds); });
 }
 
 std::vector<double> Scene::times() const {

@@ -70,6 +70,9 @@ class Scene {
   /// Finite bounds of the visible content [m]; unbounded media are cut off near the rest.
   Box3 bounds() const;
 
+  /// What of them a camera is to frame: not where fog fades away.
+  Box3 framed() const;
+
   /// Times of its frames [s]: a medium's own if it is alone, else 25 per second; at least one.
   std::vector<double> times() const;
 
@@ -123,6 +126,7 @@ class Scene {
   Scene() = default;
 
   [[nodiscard]] Status checkLaws() const;
+  Box3 boundsOf(Box3 (*ofMedium)(const MediumInfo&)) const;
   void chooseScattering(SceneDescription& description, Progress& progress) const;
   [[nodiscard]] Result<std::vector<std::shared_ptr<SceneMedium>>> openMedia(
       const SceneDescription& description, bool sameLights, Progress& progress);

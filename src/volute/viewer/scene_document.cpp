@@ -22,7 +22,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kUsualFov = 40;            ///< [degrees]
 constexpr std::uint64_t kEnough = 1 << 25;  ///< bytes in which something to see is looked for
 
 /// A remark without the name of the file that it is about, which the title has, or without that
@@ -68,8 +67,8 @@ Json inNewestFormat(Json json) {
 }
 
 StartView startOf(const CameraDescription& camera) {
-  return {camera.view.eye, camera.view.target, camera.view.up, camera.fov.value_or(kUsualFov),
-          camera.ortho.value_or(0)};
+  return {camera.view.eye, camera.view.target, camera.view.up,
+          camera.fov.value_or(Camera::kUsualFov), camera.ortho.value_or(0)};
 }
 
 }  // namespace

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kSteepest = 0.49 * std::numbers::pi;  ///< that a hand turns it to
 constexpr double kTurn = 0.006;                        ///< radians a pixel
-constexpr double kFramed = 40;                         ///< [degrees] in which all is seen
 
 /// Width and height between the insets, or some of them where these leave little.
 std::array<double, 2> freeOf(int width, int height, const ViewCamera::Insets& insets) {
@@ -59,7 +58,7 @@ Vec3 ViewCamera::right() const {
 
 /// What a view along its up means is Camera's to say.
 void ViewCamera::set(const StartView& view) {
-  const Camera meant = Camera::pinhole({view.eye, view.target, view.up}, kFramed, 1, 1);
+  const Camera meant = Camera::pinhole({view.eye, view.target, view.up}, Camera::kUsualFov, 1, 1);
   eye_ = view.eye;
   distance_ = std::max((view.target - view.eye).norm(), 1e-6);
   pivot_ = view.target;
@@ -83,9 +82,9 @@ void ViewCamera::frame(const Box3& bounds, int width, int height, const Insets& 
   // The same angle now goes over all of the height.
   const double distance = height / free[1] * (upright.centre() - framing.eye()).norm();
   const double ortho =
-      (ortho_ > 0) ? 2 * distance * std::tan(0.5 * kFramed * std::numbers::pi / 180) : 0;
+      (ortho_ > 0) ? 2 * distance * std::tan(0.5 * Camera::kUsualFov * std::numbers::pi / 180) : 0;
   const Vec3 eye = upright.centre() - distance * framing.forward();
-  set({frame_ * eye, frame_ * upright.centre(), frame_.col(2), kFramed, ortho});
+  set({frame_ * eye, frame_ * upright.centre(), frame_.col(2), Camera::kUsualFov, ortho});
   const Vec3 middle = pivot_;
   pan(0.5 * (insets.left - insets.right), 0.5 * (insets.top - insets.bottom), height);
   pivot_ = middle;

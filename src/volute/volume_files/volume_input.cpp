@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "volute/codec/kept_grids.hpp"
@@ -11,6 +12,7 @@
 #include "volute/grid/select_frames.hpp"
 #include "volute/grid/wrapped_source.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/named_files.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/io/written_frames.hpp"
 #include "volute/volume_files/fds_input.hpp"
@@ -308,9 +310,23 @@ void remarkOnFiles(const std::string& path, Reading& reading) {
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
-  if (fs::is_regular_file(path, error))
-    return fs::file_size(path, error);
   std::uint64_t bytes = 0;
+  if (fs::is_regular_file(path, error)) {
+    bytes = fs::file_size(path, error);
+    if (extensionOf(path) == ".smv")
+      return std::nullopt;
+    if (extensionOf(path) != ".pvd")
+      return bytes;
+    std::set<fs::path> files;
+    for (const std::string& name : namesInCollection(path)) {
+      const fs::path file = fs::path(path).parent_path() / name;
+      if (extensionOf(file).starts_with(".pv"))  // its own pieces are in files of their own
+        return std::nullopt;
+      const auto size = fs::file_size(file, error);
+      bytes += !error && files.insert(file.lexically_normal()).second ? size : 0;
+    }
+    return bytes;
+  }
   if (namesSeries(path)) {
     const auto pattern = FramePattern::parse(path);
     if (!pattern)

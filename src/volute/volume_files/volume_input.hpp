@@ -96,8 +96,8 @@ std::unique_ptr<FrameSource> tellingLosses(std::unique_ptr<FrameSource> source, 
 /// Remarks on files beside the sequence that look like a part of it and are not.
 void remarkOnFiles(const std::string& path, Reading& reading);
 
-/// Size on disk of a file, or of the files of a pattern or a folder; nothing for what cannot be
-/// read.
+/// Size on disk of a file, or of the files of a pattern, a folder or a collection; nothing for what
+/// cannot be read, and for a case (.smv), of whose files a volume is a part.
 std::optional<std::uint64_t> bytesOnDisk(const std::string& path);
 
 }  // namespace volute

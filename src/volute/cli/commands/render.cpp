@@ -190,10 +190,7 @@ Result<RenderRequest> requestOf(const Arguments& arguments, const std::string& t
                     arguments.get<double>("speed"),
                     arguments.find<double>("orbit"),
                     arguments.find<double>("fps").value_or(kUsualRate)};
-  VOLUTE_ASSIGN(request.camera, cameraOf(arguments));
-  request.up = arguments.find<Vec3>("up").value_or(Vec3::UnitZ());
-  if (!(request.up.norm() > 0))
-    return fail(ErrorCode::kInvalidArgument, "--up: 0,0,0 is no direction");
+  VOLUTE_TRY(takeCamera(arguments, request));
   request.size = arguments.find<Pixels>("size");
   if (arguments.flag("alpha"))
     request.background = Rgb::Zero(), request.legend = false;
@@ -260,13 +257,9 @@ Status refuseIdleRate(const Arguments& arguments, const std::string& target, con
               job.scene.isFile() ? "; \"fps\" of a volume in the scene sets them" : "");
 }
 
-/// What says nothing of one picture, and how the usual view is turned where there is another.
+/// What says nothing of one picture.
 Status refuseIdleView(const Arguments& arguments, const std::string& target,
                       const RenderRequest& request, const FilmJob& job) {
-  if (arguments.given("up") && !request.camera && job.scene.camera())
-    return fail(ErrorCode::kInvalidArgument,
-                "--up has no effect: {} has a camera of its own; add --eye, --target and --fov",
-                arguments.positional(0));
   const auto& media = job.scene.description().media;
   const bool ratedFile = !job.scene.isFile() && media.front().kind->fields().find("fps");
   if (isFilmPath(target) || job.frames.size() > 1)
@@ -605,10 +598,12 @@ Command renderCommand() {
                    "--target 0,0,1 --fov 40"},
       .description =
           "Integrates emission and absorption along each pixel's ray, exactly for the volume's "
-          "basis. Without a camera, the bounds are framed; an FDS case is shown from outside as a "
+          "basis. Without a camera, the bounds are framed; what is left out of --eye, --target, "
+          "--up, --fov and --ortho is the scene's camera's, or of the view that frames the bounds. "
+          "An FDS case is shown from outside as a "
           "cutaway (--building inside: from within its largest room, at eye level). .exr files "
           "hold linear values; .png and films are exposed and sRGB. --exposure auto uses one "
-          "factor for all pictures, from the middle one, and prints it. Without --time and "
+          "factor for all pictures, from some of them, and prints it. Without --time and "
           "--frames, a film or a pattern shows all frames; a single still shows the first frame "
           "with visible content, for an FDS case a time with smoke in its rooms, for a scene 0 s.",
       .positionals = {{.name = "FILE",

@@ -453,6 +453,10 @@ void FogSceneMedium::describe() {
   info_.what = "a map of fog";
   info_.kind = "fog";
   info_.bounds = info_.fileBounds = fogAt(0).bounds();
+  const Interval seen = description_.profile.seenHeights();
+  info_.framed = info_.bounds;
+  info_.framed->min.z() = std::max(info_.bounds.min.z(), seen.begin);
+  info_.framed->max.z() = std::min(info_.bounds.max.z(), seen.end);
   info_.takeFrames(*this, static_cast<int>(times_.size()), description_.clock);
   info_.endless = true;
   info_.moves = description_.wind != Vec3::Zero();

@@ -20,14 +20,11 @@ using OrderedJson = nlohmann::ordered_json;
 constexpr const char* kShapes[] = {"tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra"};
 
 /// Of a file or a series; cases are spread over files that only their reader knows.
-std::optional<std::uint64_t> bytesOf(const std::string& path, const MeshSource& source) {
+std::optional<std::uint64_t> bytesOf(const std::string& path) {
   const std::string kind = extensionOf(path);
   if (kind == ".case" || kind == ".foam" || kind == ".pvtu")
     return std::nullopt;
-  auto bytes = bytesOnDisk(path);
-  for (std::size_t i = 0; bytes && i < source.times().size() && source.file(i) != path; ++i)
-    *bytes += bytesOnDisk(source.file(i).string()).value_or(0);
-  return bytes;
+  return bytesOnDisk(path);
 }
 
 void addTimes(Report& report, const MeshSource& source) {
@@ -176,7 +173,7 @@ Result<FileDescription> describeMeshCase(const std::string& path, bool values, R
   FileDescription described;
   Report& report = described.report;
   report.add("file", path).add("kind", "mesh");
-  if (const auto bytes = bytesOf(path, source))
+  if (const auto bytes = bytesOf(path))
     report.add("bytes", *bytes, bytesText(*bytes));
   addTimes(report, source);
   addMissing(report, source, described.damaged);
