@@ -4,6 +4,8 @@
 
 #include <dlfcn.h>
 #include <link.h>
+#include <pthread.h>
+#include <sys/mman.h>
 
 #include <array>
 #include <cstdint>
@@ -120,6 +122,30 @@ Result<const Plugin*> load(bool built, const char* name, const char* function, c
   return static_cast<const Plugin*>(plugin);
 }
 
+/// Whether OpenVDB fits into this process. A library that it loads starts four threads at once, and
+/// where it gets too few, or too little address space, it aborts or waits for ever: that is tried
+/// before.
+Status roomForVdb() {
+  constexpr std::size_t kLibraries = std::size_t{72} << 20;
+  // Plain ones, which take no memory of their own.
+  std::array<pthread_t, 4> threads{};
+  std::size_t made = 0;
+  while (made < threads.size() &&
+         ::pthread_create(
+             &threads[made], nullptr, [](void*) -> void* { return nullptr; }, nullptr) == 0)
+    ++made;
+  void* const space =
+      ::mmap(nullptr, kLibraries, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  const bool fits = space != MAP_FAILED && ::munmap(space, kLibraries) == 0;
+  for (std::size_t i = 0; i < made; ++i) ::pthread_join(threads[i], nullptr);
+  if (fits && made == threads.size())
+    return {};
+  return fail(ErrorCode::kTooLarge,
+              "OpenVDB cannot be loaded: it needs {} MiB of address space and four threads; "
+              "raise the limits of this shell (ulimit -v, ulimit -u)",
+              kLibraries >> 20);
+}
+
 }  // namespace
 
 Result<const void*> loadPlugin(const char* name, const char* function, const char* library) {
@@ -152,6 +178,10 @@ std::vector<MediumPlugin> loadMediumPlugins() {
 }
 
 Result<const LatticePlugin*> loadVdbPlugin() {
+  if (VOLUTE_HAS_VDB) {
+    static const Status room = roomForVdb();  // a process that is forked from this one has it
+    VOLUTE_TRY(room);
+  }
   return load<LatticePlugin>(VOLUTE_HAS_VDB, "volute_io_vdb", "voluteVdbPlugin", "OpenVDB",
                              "VOLUTE_WITH_VDB");
 }

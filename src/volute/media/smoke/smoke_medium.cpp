@@ -285,10 +285,11 @@ std::vector<Remark> SmokeMedium::remarksOn(double largest, const std::string& wh
   const SmokeModel& model = description_.model;
   const double soot = model.sootDensity(largest);
   std::vector<Remark> remarks{Remark(fmt::format(
-      "{}: field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), soot "
+      "{}: {}field '{}' as {}: extinction up to {:.3g}/m, visibility from {:.3g} m (C = {:g}), "
+      "soot "
       "up to {:.2g} kg/m3",
-      file, fieldName(), nameOf(model.quantity), largest, description_.law.c / largest,
-      description_.law.c, soot))};
+      file, files_->source.times().size() > 1 ? when : "", fieldName(), nameOf(model.quantity),
+      largest, description_.law.c / largest, description_.law.c, soot))};
   if (soot > kMuchSoot) {
     remarks.push_back(Remark(RemarkCode::kDoubtful,
                              fmt::format("{}: that is much for soot (fires in rooms: 1e-6 to 1e-3 "
