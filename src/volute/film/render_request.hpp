@@ -7,6 +7,7 @@
 #include <string>
 
 #include "volute/film/film_job.hpp"
+#include "volute/scene/picture_camera.hpp"
 
 namespace volute {
 

@@ -153,6 +153,7 @@ TEST(FogProfile, Values) {
   EXPECT_NEAR(exponential(7), std::exp(-1), 1e-15);
   EXPECT_EQ(exponential(2 + 61 * 5.0), 0);
   EXPECT_EQ(exponential.heights().end, 2 + 60 * 5.0);
+  EXPECT_EQ(exponential.seenHeights().begin, 2);
   EXPECT_EQ(exponential.seenHeights().end, 2 + 5 * 5.0);
   const FogProfile::Knot knots[] = {{0, 1}, {10, 0.5}, {30, 0}};
   const FogProfile linear = *FogProfile::linear(knots);

@@ -116,7 +116,8 @@ Interval FogProfile::seenHeights() const {
   Interval seen = heights();
   if (!zones_.empty() && zones_.back().decay > 0) {
     const Zone& last = zones_.back();
-    seen.end = std::min(seen.end, std::max(last.bottom, last.reference) + kSeenScales / last.decay);
+    seen = {std::max(seen.begin, last.bottom),
+            std::min(seen.end, last.bottom + kSeenScales / last.decay)};
   }
   return seen;
 }

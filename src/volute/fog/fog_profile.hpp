@@ -67,7 +67,8 @@ class FogProfile {
   /// From the bottom of the lowest zone to the top of the highest.
   Interval heights() const;
 
-  /// The same without what fades away: .7 % is left where an exponential profile ends.
+  /// The same without what fades away, and of an exponential profile without what is even below it:
+  /// .7 % is left where it ends.
   Interval seenHeights() const;
 
  private:

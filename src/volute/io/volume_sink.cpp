@@ -44,7 +44,7 @@ Result<std::unique_ptr<CacheSink>> createCacheSink(const std::filesystem::path& 
                                                    FrameMetadata fileMetadata,
                                                    std::vector<KeptTarget> kept,
                                                    const VolumeInfo* frames) {
-  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbWriter());
+  VOLUTE_ASSIGN(const LatticePlugin* plugin, loadVdbPlugin());
   const VolumeInfo numbers = frames ? *frames : grids.front().info;
   return createLatticeCacheSink(output, numbers, std::move(grids), std::move(fileMetadata),
                                 std::move(kept), plugin->makeWriter({}));

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "volute/base/assert.hpp"
@@ -86,14 +87,13 @@ ShareFit::ShareFit(const TetMesh& mesh, std::span<const float> extinction,
   for (double& weight : weights_) weight *= weight;
 
   struct Edge {
-    std::int32_t from, to, at;  // at: of the asked tets' edges
+    std::int32_t to, at;  // at: of the asked tets' edges
 
     bool operator<(const Edge& other) const {
-      return std::tie(from, to, at) < std::tie(other.from, other.to, other.at);
+      return std::tie(to, at) < std::tie(other.to, other.at);
     }
   };
 
-  std::vector<Edge> edges;
   for (std::size_t t = 0; t < mesh.tets().size(); ++t) {
     const Tet& tet = mesh.tets()[t];
     if (std::ranges::none_of(tet, [&](std::int32_t v) { return weights_[v] > 0; }))
@@ -101,25 +101,38 @@ ShareFit::ShareFit(const TetMesh& mesh, std::span<const float> extinction,
     smoky_.push_back(static_cast<std::int32_t>(t));
     if (!(curveOf(mesh, static_cast<std::int32_t>(t), extinction, shares) > kTolerance))
       continue;
-    const auto first = static_cast<std::int32_t>(6 * asked_.size());
-    for (int e = 0; e < 6; ++e) edges.push_back({tet[kEdges[e][0]], tet[kEdges[e][1]], first + e});
     asked_.push_back(static_cast<std::int32_t>(t));
   }
-  std::ranges::sort(edges, std::less<>());
+  // Edges by the vertex from which they lead.
+  const auto points = mesh.vertices();
+  std::vector<std::size_t> ends(points.size() + 1, 0);
+  for (const std::int32_t t : asked_) {
+    for (const auto& edge : kEdges) ++ends[mesh.tets()[t][edge[0]] + 1];
+  }
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  std::vector<Edge> edges(ends.back());
+  for (std::size_t i = 0; i < asked_.size(); ++i) {
+    const Tet& tet = mesh.tets()[asked_[i]];
+    for (int e = 0; e < 6; ++e)
+      edges[ends[tet[kEdges[e][0]]]++] = {tet[kEdges[e][1]], static_cast<std::int32_t>(6 * i + e)};
+  }
   placesOf_.resize(asked_.size());
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    const Edge& edge = edges[i];
-    const std::int32_t of = edge.at / 6;
-    if (i == 0 || edges[i - 1].from != edge.from || edges[i - 1].to != edge.to) {
-      const auto points = mesh.vertices();
-      const Tet& tet = mesh.tets()[asked_[of]];
-      const Vec3 middle = 0.5 * (points[edge.from] + points[edge.to]);
-      const Vec3 centre =
-          0.25 * (points[tet[0]] + points[tet[1]] + points[tet[2]] + points[tet[3]]);
-      places_.push_back(middle + kInside * (centre - middle));
-      placeTets_.push_back(asked_[of]);
+  std::size_t begin = 0;
+  for (std::size_t from = 0; from < points.size(); begin = ends[from++]) {
+    const auto its = std::span(edges).subspan(begin, ends[from] - begin);
+    std::ranges::sort(its, std::less<>());
+    for (std::size_t i = 0; i < its.size(); ++i) {
+      const std::int32_t of = its[i].at / 6;
+      if (i == 0 || its[i - 1].to != its[i].to) {
+        const Tet& tet = mesh.tets()[asked_[of]];
+        const Vec3 middle = 0.5 * (points[from] + points[its[i].to]);
+        const Vec3 centre =
+            0.25 * (points[tet[0]] + points[tet[1]] + points[tet[2]] + points[tet[3]]);
+        places_.push_back(middle + kInside * (centre - middle));
+        placeTets_.push_back(asked_[of]);
+      }
+      placesOf_[of][its[i].at % 6] = static_cast<std::int32_t>(places_.size() - 1);
     }
-    placesOf_[of][edge.at % 6] = static_cast<std::int32_t>(places_.size() - 1);
   }
 }
 

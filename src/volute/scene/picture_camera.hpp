@@ -12,8 +12,8 @@ namespace volute {
 /// What somebody says of a view; the rest is the scene's own camera's, or that of one that frames
 /// its bounds.
 struct ViewParts {
-  std::optional<Vec3> eye, target, up;
-  std::optional<double> fov, ortho;  ///< as of CameraDescription; at most one
+  std::optional<Vec3> eye{}, target{}, up{};
+  std::optional<double> fov{}, ortho{};  ///< as of CameraDescription; at most one
 
   bool any() const { return eye || target || up || fov || ortho; }
 };

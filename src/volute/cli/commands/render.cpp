@@ -258,8 +258,7 @@ Status refuseIdleRate(const Arguments& arguments, const std::string& target, con
 }
 
 /// What says nothing of one picture.
-Status refuseIdleView(const Arguments& arguments, const std::string& target,
-                      const RenderRequest& request, const FilmJob& job) {
+Status refuseIdleView(const Arguments& arguments, const std::string& target, const FilmJob& job) {
   const auto& media = job.scene.description().media;
   const bool ratedFile = !job.scene.isFile() && media.front().kind->fields().find("fps");
   if (isFilmPath(target) || job.frames.size() > 1)
@@ -327,7 +326,7 @@ Result<FilmJob> makeJob(const Arguments& arguments, const std::string& target,
   }
   VOLUTE_ASSIGN(job.contour, contourOf(arguments, scene));
   VOLUTE_TRY(prepare(job, request, context.maxMemory, context.progress));
-  VOLUTE_TRY(refuseIdleView(arguments, target, request, job));
+  VOLUTE_TRY(refuseIdleView(arguments, target, job));
   if (!job.reason.empty())
     context.progress.remark(job.reason + "; --time or --frames choose others");
   remarkOnCamera(job, context.progress);
