@@ -70,8 +70,8 @@ class BlockRow {
   /// roundingOf() the source, of all that was loaded.
   double rounding() const { return roundingOf(source_); }
 
-  /// Calls visit(value) for each value of the support of what is loaded, for tiles
-  /// visit(value, number of values).
+  /// Calls visit(value, 1, false) for each value of the support of what is loaded, for tiles
+  /// visit(value, number of values, true).
   template <class Visit>
   void visitValues(const Visit& visit) const;
 
@@ -134,7 +134,7 @@ void BlockRow::visitValues(const Visit& visit) const {
         for (std::uint64_t left = leaf.valued[z] & inside[z]; left != 0; left &= left - 1) {
           const std::size_t voxel = 64 * z + static_cast<std::size_t>(std::countr_zero(left));
           for (std::size_t c = 0; c < channels; ++c)
-            visit(values[c * Bricks::kVoxels + voxel], std::uint64_t{1});
+            visit(values[c * Bricks::kVoxels + voxel], std::uint64_t{1}, false);
         }
       }
     }
@@ -143,7 +143,7 @@ void BlockRow::visitValues(const Visit& visit) const {
       if (part.empty())
         continue;
       const std::uint64_t voxels = voxelsIn(part);
-      for (std::size_t c = 0; c < channels; ++c) visit(tile.value[c], voxels);
+      for (std::size_t c = 0; c < channels; ++c) visit(tile.value[c], voxels, true);
     }
   }
 }

@@ -139,7 +139,7 @@ double Compressor::outcomeOfTry() const {
       return error_.maximum;
     case Kind::kRms:
     case Kind::kLook:
-      return support_.rms;
+      return dilution_ * support_.rms;
     default:
       return relativeRms_;
   }
@@ -235,6 +235,10 @@ Status Compressor::searchStep(double first) {
     VOLUTE_TRY(encodeAll(search.step(), Pass::kEncode));
     search.tell(outcomeOfTry());
     VOLUTE_ASSIGN(const bool failed, team_.broadcast(search.failed()));
+    if (failed && dilution_ > 1) {  // float32 is too coarse for it
+      dilution_ = 1;
+      return searchStep(first);
+    }
     if (failed)
       return unreachable();
     VOLUTE_ASSIGN(found, team_.broadcast(search.found()));

@@ -177,6 +177,7 @@ class Compressor {
   BlockRow::InactiveValue inactive_;
   SupportError support_;
   double supportVoxels_ = 0;  // of all frames
+  double dilution_ = 1;       // how much greater the RMS is of what differs from place to place
   bool sampled_ = false;      // so many blocks to a row that a part of them is surveyed
   EffortPlan effort_;
   std::uint64_t blocks_ = 0;                                           // that hold something

@@ -81,7 +81,9 @@ Status Compressor::surveyUnit(std::int64_t number) {
   VOLUTE_TRY(row_.load(unit.row, unit.firstLayer, unit.endLayer));
   const auto firstFrame = static_cast<std::size_t>(unit.row * grid.frames());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) facts_[firstFrame + i].add(row_.facts()[i]);
-  row_.visitValues([&](float value, std::uint64_t count) { histogram_.add(value, count); });
+  row_.visitValues([&](float value, std::uint64_t count, bool tile) {
+    tile ? histogram_.add(value, count) : histogram_.addVoxel(value);
+  });
   inactive_.add(row_.inactiveValue());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) {
     const auto tiles = row_.tilesOf(static_cast<int>(i));
@@ -142,7 +144,7 @@ Status Compressor::shareSurvey() {
     parameters_.symbols = symbolsOfTable({});
     parameters_.symbolPrices = pricesOf(parameters_.symbols);
   }
-  VOLUTE_TRY(team_.sum(histogram_.counts()));
+  for (auto* const sums : histogram_.sums()) VOLUTE_TRY(team_.sum(*sums));
   VOLUTE_ASSIGN(const auto facts, gatherValues(team_, std::span<const SupportFacts>(facts_)));
   const std::size_t frames = facts_.size();
   for (std::size_t i = 0; i < frames; ++i) facts_[i] = {};
@@ -283,7 +285,12 @@ void Compressor::settleRange() {
   // Faint and strong mean nothing far from zero.
   if (options_.target.kind == Kind::kLook && parameters_.offset == 0)
     bend(std::max(std::abs(support_.low), std::abs(support_.high)));
-  const double spread = overSupport ? supportVoxels_ : voxels;
+  // What is the same all over is as good as exact, however much there is of it.
+  constexpr double kMostDilution = 256;
+  const auto varied = static_cast<double>(histogram_.varied());
+  if (overSupport && varied > 0)
+    dilution_ = std::clamp(std::sqrt(supportVoxels_ * info_.channels / varied), 1.0, kMostDilution);
+  const double spread = overSupport ? supportVoxels_ / (dilution_ * dilution_) : voxels;
   const double own = std::max(std::abs(support_.low), std::abs(support_.high));
   goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,
                  std::min(own, greatest), spread * info_.channels, least == most);

@@ -19,6 +19,62 @@ float ValueHistogram::leastOf(std::uint32_t bin) {
   return std::bit_cast<float>((bits >> 31) != 0 ? bits & 0x7FFFFFFFu : ~bits);
 }
 
+void ValueHistogram::add(float value, std::uint64_t count) {
+  const std::uint32_t bin = binOf(value);
+  const std::uint64_t rest = std::bit_cast<std::uint32_t>(value) & ((1u << kShift) - 1);
+  counts_[bin] += count;
+  rests_[bin] += rest * count;
+  squares_[bin] += rest * rest * count;
+}
+
+/// Whether all values of a bin are the same: their variance is 0.
+bool ValueHistogram::isOneValue(std::uint32_t bin) const {
+  return counts_[bin] > 0 && counts_[bin] * squares_[bin] == rests_[bin] * rests_[bin];
+}
+
+/// How many of the least and of the greatest values are no quantity but stand for something else:
+/// one value or two, far from the others, which vary.
+std::optional<std::pair<std::uint64_t, std::uint64_t>> ValueHistogram::standIns() const {
+  constexpr double kGap = 8;
+  constexpr std::size_t kMost = 2, kVaried = 16;
+  std::vector<std::uint32_t> bins;
+  for (std::uint32_t bin = 0; bin < kBins; ++bin) {
+    if (counts_[bin] > 0)
+      bins.push_back(bin);
+  }
+  if (bins.size() < kVaried + 1)
+    return std::nullopt;
+  std::size_t lowest = 0, highest = 0;  // that are of one value
+  while (lowest < kMost && isOneValue(bins[lowest])) ++lowest;
+  while (highest < kMost && isOneValue(bins[bins.size() - 1 - highest])) ++highest;
+  const auto edge = [](std::uint32_t bin) { return static_cast<double>(leastOf(bin)); };
+  for (std::size_t all = lowest + highest; all > 0; --all) {
+    for (std::size_t low = 0; low <= std::min(all, lowest); ++low) {
+      const std::size_t high = all - low;
+      if (high > highest || bins.size() < low + high + kVaried)
+        continue;
+      const std::uint32_t first = bins[low], last = bins[bins.size() - 1 - high];
+      const double gap = kGap * (edge(last + 1) - edge(first));
+      if ((low > 0 && !(edge(first) - edge(bins[low - 1] + 1) > gap)) ||
+          (high > 0 && !(edge(bins[bins.size() - high]) - edge(last + 1) > gap)))
+        continue;
+      std::pair<std::uint64_t, std::uint64_t> found;
+      for (std::size_t i = 0; i < low; ++i) found.first += counts_[bins[i]];
+      for (std::size_t i = 0; i < high; ++i) found.second += counts_[bins[bins.size() - 1 - i]];
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+std::uint64_t ValueHistogram::varied() const {
+  constexpr std::uint64_t kOneOf = 20;
+  const auto all = std::accumulate(voxels_.begin(), voxels_.end(), std::uint64_t{0});
+  std::uint64_t varied = all;
+  for (const std::uint64_t count : voxels_) varied -= count * kOneOf >= all ? count : 0;
+  return varied;
+}
+
 /// The bin of the value that so many others are below.
 std::uint32_t ValueHistogram::binAt(std::uint64_t rank) const {
   std::uint32_t bin = 0;
@@ -63,9 +119,11 @@ std::optional<std::pair<double, double>> ValueHistogram::robustRange(double leas
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kTail * static_cast<double>(count)));
   const std::uint64_t tail = count < kFewValues ? 0 : quantile;
   const std::uint64_t above = std::max(tail, farValues(count, -1, tail));
-  const std::uint64_t low = std::max(tail, farValues(count, 1, above));
-  const std::uint64_t high = std::max(tail, farValues(count, -1, low));
-  if (low + high == 0)
+  std::uint64_t low = std::max(tail, farValues(count, 1, above));
+  std::uint64_t high = std::max(tail, farValues(count, -1, low));
+  if (const auto others = standIns())
+    low = std::max(low, others->first), high = std::max(high, others->second);
+  if (low + high == 0 || low + high >= count)
     return std::nullopt;
   const std::uint32_t lowBin = binAt(low), highBin = binAt(count - 1 - high);
   const double from = std::max<double>(leastOf(lowBin), least);

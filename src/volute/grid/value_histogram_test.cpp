@@ -34,8 +34,11 @@ TEST(ValueHistogram, AHundredthFarFromAllOthersIsLeftOut) {
 TEST(ValueHistogram, WhatIsNotFarOrNotFewStays) {
   EXPECT_FALSE(puff(5000).robustRange(0.01, 1));
   ValueHistogram many = puff(5000);
-  many.add(1e6F, 200);
-  EXPECT_FALSE(many.robustRange(0.01, 1e6)) << "a part of its own";
+  for (int i = 0; i < 200; ++i) many.add(1e6F + 1e4F * static_cast<float>(i), 1);
+  EXPECT_FALSE(many.robustRange(0.01, 3e6)) << "a part of its own";
+  ValueHistogram labels;
+  for (const float label : {1.0F, 2.0F, 3.0F, 100.0F}) labels.add(label, 500);
+  EXPECT_FALSE(labels.robustRange(1, 100)) << "none varies";
   ValueHistogram wide;  // a flame: few are great, with all between
   for (int i = 0; i < 5000; ++i) wide.add(std::exp(-7 + 14 * static_cast<float>(i) / 5000), 1);
   EXPECT_FALSE(wide.robustRange(std::exp(-7), std::exp(7)));
@@ -44,6 +47,30 @@ TEST(ValueHistogram, WhatIsNotFarOrNotFewStays) {
   zeros.add(0.5F, 300);
   EXPECT_FALSE(zeros.robustRange(0, 0.5));
   EXPECT_FALSE(ValueHistogram().robustRange(0, 0));
+}
+
+TEST(ValueHistogram, ValuesThatStandForSomethingElseAreLeftOutHoweverMany) {
+  for (const auto& [below, above] : {std::pair(0, 1), {2, 0}, {1, 1}, {2, 2}}) {
+    ValueHistogram histogram = puff(5000);
+    for (int i = 0; i < below; ++i) histogram.add(i == 0 ? -999.0F : -9999.0F, 3000);
+    for (int i = 0; i < above; ++i) histogram.add(i == 0 ? 1e4F : 3.4e38F, 20000);
+    const auto range = histogram.robustRange(-9999, 3.4e38);
+    ASSERT_TRUE(range) << below << ", " << above;
+    EXPECT_NEAR(range->first, 0.01, 0.006);
+    EXPECT_NEAR(range->second, 1, 0.02);
+  }
+}
+
+TEST(ValueHistogram, WhatVariesIsNotWhatFillsMostOfIt) {
+  ValueHistogram histogram;
+  for (int i = 0; i < 5000; ++i) histogram.addVoxel(299.25F + 0.2F * static_cast<float>(i));
+  EXPECT_EQ(histogram.varied(), 5000);
+  for (int i = 0; i < 100000; ++i) histogram.addVoxel(299);
+  histogram.add(500, 1000000);  // a tile
+  EXPECT_NEAR(static_cast<double>(histogram.varied()), 5000, 5);
+  for (int i = 0; i < 100000; ++i)
+    histogram.addVoxel(299.5F + 0.4F * static_cast<float>(i % 64) / 64);
+  EXPECT_NEAR(static_cast<double>(histogram.varied()), 105000, 5) << "noise varies";
 }
 
 }  // namespace

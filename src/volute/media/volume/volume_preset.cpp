@@ -473,10 +473,10 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
       reading.progress.remark(Remark(RemarkCode::kAssumed, std::move(text), hints).in(path));
     } else if (preset == VolumePreset::kAuto && grey && !MemoryVolumes::isName(path)) {
       reading.progress.remark(
-          Remark(RemarkCode::kNote,
-                 fmt::format("{}: shown as light, as an array has no name that says what it is",
-                             path),
-                 {Hint::set("preset", "smoke").so("shows it as smoke")})
+          Remark(
+              RemarkCode::kNote,
+              fmt::format("{}: shown as light, as an array has no name that says what it is", path),
+              {Hint::set("preset", "smoke").so("shows it as smoke")})
               .in(path));
     }
     tellOthers(grids.names());  // opening it names those
