@@ -287,7 +287,7 @@ void Compressor::settleRange() {
     bend(std::max(std::abs(support_.low), std::abs(support_.high)));
   // What is the same all over is as good as exact, however much there is of it.
   constexpr double kMostDilution = 256;
-  const auto varied = static_cast<double>(histogram_.varied());
+  const auto varied = static_cast<double>(histogram_.varied(support_.high - support_.low));
   if (overSupport && varied > 0)
     dilution_ = std::clamp(std::sqrt(supportVoxels_ * info_.channels / varied), 1.0, kMostDilution);
   const double spread = overSupport ? supportVoxels_ / (dilution_ * dilution_) : voxels;

@@ -67,12 +67,27 @@ std::optional<std::pair<std::uint64_t, std::uint64_t>> ValueHistogram::standIns(
   return std::nullopt;
 }
 
-std::uint64_t ValueHistogram::varied() const {
-  constexpr std::uint64_t kOneOf = 20;
+std::uint64_t ValueHistogram::varied(double range) const {
+  constexpr std::uint64_t kOneOf = 20, kOneOfNear = 10;
+  constexpr double kNear = 0.002;
   const auto all = std::accumulate(voxels_.begin(), voxels_.end(), std::uint64_t{0});
-  std::uint64_t varied = all;
-  for (const std::uint64_t count : voxels_) varied -= count * kOneOf >= all ? count : 0;
-  return varied;
+  std::uint64_t same = 0;
+  for (const std::uint64_t count : hashed_) same += count * kOneOf >= all ? count : 0;
+  // Of runs of bins that are as wide at most, each once.
+  const auto edge = [](std::uint32_t bin) { return static_cast<double>(leastOf(bin)); };
+  std::uint64_t near = 0, inRun = 0;
+  std::uint32_t first = 0, counted = 0;
+  for (std::uint32_t bin = 0; bin + 1 < kBins && all > 0; ++bin) {
+    if (voxels_[bin] == 0)
+      continue;
+    inRun += voxels_[bin];
+    while (first < bin && !(edge(bin + 1) - edge(first) <= kNear * range))
+      inRun -= voxels_[first++];
+    if (inRun * kOneOfNear < all || !(edge(bin + 1) - edge(first) <= kNear * range))
+      continue;
+    for (counted = std::max(counted, first); counted <= bin; ++counted) near += voxels_[counted];
+  }
+  return all - std::max(same, near);
 }
 
 /// The bin of the value that so many others are below.

@@ -20,14 +20,15 @@ class ValueHistogram {
   /// Of a voxel that is in no tile.
   void addVoxel(float value) {
     add(value, 1);
-    ++voxels_[std::bit_cast<std::uint32_t>(value) * 0x9E3779B1u >> kShift];
+    ++voxels_[binOf(value)];
+    ++hashed_[std::bit_cast<std::uint32_t>(value) * 0x9E3779B1u >> kShift];
   }
 
   const std::vector<std::uint64_t>& counts() const { return counts_; }
 
   /// What is known of the bins; processes add theirs up.
-  std::array<std::vector<std::uint64_t>*, 4> sums() {
-    return {&counts_, &rests_, &squares_, &voxels_};
+  std::array<std::vector<std::uint64_t>*, 5> sums() {
+    return {&counts_, &rests_, &squares_, &voxels_, &hashed_};
   }
 
   /// The least value of a bin.
@@ -40,9 +41,9 @@ class ValueHistogram {
   /// the range is left.
   std::optional<std::pair<double, double>> robustRange(double least, double most) const;
 
-  /// How many values of voxels differ from place to place: all but those that are one of the values
-  /// which a twentieth or more of them have each.
-  std::uint64_t varied() const;
+  /// How many values of voxels differ from place to place: all but those that a twentieth or more
+  /// of them have each, or but those of which a tenth is within .002 of the range.
+  std::uint64_t varied(double range) const;
 
  private:
   static constexpr unsigned kShift = 16;
@@ -57,7 +58,8 @@ class ValueHistogram {
   using Bins = std::vector<std::uint64_t>;
   Bins counts_ = Bins(kBins);
   Bins rests_ = Bins(kBins), squares_ = Bins(kBins);  // of the other 16 bits, modulo 2^64
-  Bins voxels_ = Bins(kBins);                         // by a hash of all bits
+  Bins voxels_ = Bins(kBins);                         // those that are in no tile
+  Bins hashed_ = Bins(kBins);                         // likewise, by a hash of all bits
 };
 
 }  // namespace volute
