@@ -32,6 +32,16 @@ bool ValueHistogram::isOneValue(std::uint32_t bin) const {
   return counts_[bin] > 0 && counts_[bin] * squares_[bin] == rests_[bin] * rests_[bin];
 }
 
+/// Of a bin's values, in parts of its width.
+double ValueHistogram::deviationIn(std::uint32_t bin) const {
+  const auto count = static_cast<double>(counts_[bin]);
+  if (counts_[bin] >> 31 != 0)
+    return isOneValue(bin) ? 0 : 1;  // squares may have wrapped round
+  const double mean = static_cast<double>(rests_[bin]) / count;
+  const double square = static_cast<double>(squares_[bin]) / count - mean * mean;
+  return std::sqrt(std::max(square, 0.0)) / (1u << kShift);
+}
+
 /// How many of the least and of the greatest values are no quantity but stand for something else:
 /// one value or two, far from the others, which vary.
 std::optional<std::pair<std::uint64_t, std::uint64_t>> ValueHistogram::standIns() const {
@@ -80,6 +90,12 @@ std::uint64_t ValueHistogram::varied(double range) const {
   for (std::uint32_t bin = 0; bin + 1 < kBins && all > 0; ++bin) {
     if (voxels_[bin] == 0)
       continue;
+    if (const double width = edge(bin + 1) - edge(bin); width > kNear * range) {
+      if (voxels_[bin] * kOneOfNear >= all && deviationIn(bin) * width <= 0.25 * kNear * range)
+        near += voxels_[bin];
+      first = bin + 1, inRun = 0;
+      continue;
+    }
     inRun += voxels_[bin];
     while (first < bin && !(edge(bin + 1) - edge(first) <= kNear * range))
       inRun -= voxels_[first++];

@@ -54,6 +54,7 @@ class ValueHistogram {
   std::uint64_t farValues(std::uint64_t count, int step, std::uint64_t others) const;
   std::optional<std::pair<std::uint64_t, std::uint64_t>> standIns() const;
   bool isOneValue(std::uint32_t bin) const;
+  double deviationIn(std::uint32_t bin) const;
 
   using Bins = std::vector<std::uint64_t>;
   Bins counts_ = Bins(kBins);

@@ -71,6 +71,7 @@ TEST(ValueHistogram, WhatVariesIsNotWhatFillsMostOfIt) {
   for (int i = 0; i < 100000; ++i)
     histogram.addVoxel(299.5F + 0.4F * static_cast<float>(i % 64) / 64);
   EXPECT_NEAR(static_cast<double>(histogram.varied(1000)), 5000, 50) << "noise";
+  EXPECT_NEAR(static_cast<double>(histogram.varied(900)), 5000, 50) << "noise, finer than bins are";
   EXPECT_NEAR(static_cast<double>(histogram.varied(20)), 105000, 5) << "detail";
 }
 

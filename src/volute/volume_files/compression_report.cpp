@@ -30,7 +30,7 @@ void addRatios(Report& report, std::uint64_t raw, std::uint64_t bytes,
 std::string supportRangeText(const CompressReport& one) {
   std::string text = fmt::format("{:.4g} to {:.4g}", one.support.low, one.support.high);
   if (one.support.robust) {
-    text += fmt::format(": without a few values apart, which rule the extremes, {:.4g} and {:.4g}",
+    text += fmt::format(": without values apart, which rule the extremes, {:.4g} and {:.4g}",
                         one.valueMin, one.valueMax);
   }
   return text;

@@ -367,11 +367,18 @@ void remarkOnValuesApart(const std::string& grid, const CompressReport& report, 
   if (!support.robust ||
       (report.valueMax - support.high <= reach && support.low - report.valueMin <= reach))
     return;
+  constexpr double kLost = 0.05;
+  const bool lost = support.rms > kLost;  // where the target is over all
   reading.progress.remark(Remark(
       RemarkCode::kDoubtful,
-      fmt::format("{}: a few values are far from all others, which are {:.4g} to {:.4g}: the "
-                  "extremes are {:.4g} and {:.4g}; they are kept exactly",
-                  grid, support.low, support.high, report.valueMin, report.valueMax)));
+      fmt::format("{}: some values are far from all others, which are {:.4g} to {:.4g}: the "
+                  "extremes are {:.4g} and {:.4g}; they are kept exactly{}",
+                  grid, support.low, support.high, report.valueMin, report.valueMax,
+                  lost ? fmt::format(", and the others are off by {:.2g}, as the error that is "
+                                     "asked for counts by the extremes",
+                                     support.rms * (support.high - support.low))
+                       : ""),
+      lost ? Hints{Hint::set("rms").so("counts by the others")} : Hints{}));
 }
 
 /// The grids of a cache; nothing where one grid is to be compressed by itself.
