@@ -4,6 +4,7 @@
 import json
 import math
 import struct
+from random import Random
 
 import support
 from pictures import Part, exr_attribute, read_exr, write_parts, write_planes, write_png, write_rows, Picture
@@ -375,6 +376,47 @@ class Frames(support.TestCase):
         self.assertLess(off(columns=range(2, 11), rows=[y for y in range(HEIGHT) if y != horizon]), 0.04)
         self.assertLess(off(columns=(1, 2, 10, 11), rows=[horizon]), 0.01)  # ground with another row's fog would be a line
         self.assertLess(off(columns=range(2, 16), depth="fine.exr"), 0.04)
+
+    def test_colours_that_hardly_differ_say_nothing_of_edges(self):
+        """A near surface before a far one of nearly its colour: by noise, float32 and 8 bits no pixel may change to the surface that it does not show."""
+        self.path("camera.json").write_text(json.dumps({"eye": [-100, 0, 5], "target": [0, 0, 5], "fov": 1}))
+        side, sigma, fog = 8, 0.02, 0.9
+        at = lambda x, y: 10.0 if x + 0.37 * y < 9.3 else 80.0
+        self.depth({"Z": [at(x + 0.5, y + 0.5) for y in range(HEIGHT) for x in range(WIDTH)]})
+        seen = [[at(x + (i + 0.5) / side, y + (j + 0.5) / side) for i in range(side) for j in range(side)] for y in range(HEIGHT) for x in range(WIDTH)]
+        near = [sum(z == 10.0 for z in pixel) / side ** 2 for pixel in seen]
+        passed = [sum(math.exp(-sigma * z) for z in pixel) / side ** 2 for pixel in seen]
+        random = Random(7)
+
+        def off(color, *more):
+            self.works(*self.words("--fog-color", f"{fog},{fog},{fog}", *more, color=color))
+            picture, clear = read_exr(self.path("x.exr")), self.shown
+            errors = [picture.at(i % WIDTH, i // WIDTH, 0) - (passed[i] * clear[i] + (1 - passed[i]) * fog) for i in range(WIDTH * HEIGHT)]
+            return max(map(abs, errors)), sum(error * error for error in errors)
+
+        for noise in (0, 1e-7, 0.001, 0.01):
+            with self.subTest(noise):
+                self.shown = [0.3 * (1 + noise * random.gauss(0, 1)) for i in range(WIDTH * HEIGHT)]
+                write_planes(self.path("color.exr"), WIDTH, HEIGHT, {name: self.shown for name in "RGB"})
+                soft, hard = off("color.exr"), off("color.exr", "--edges", "hard")
+                self.assertGreater(hard[0], 0.1)
+                self.assertLess(soft[0], 1.1 * hard[0])
+                self.assertLess(soft[1], 1.1 * hard[1])
+        # A step of an 8-bit picture apart: 148 and 149.
+        stored = [148 + (share + random.random() >= 1) for share in near]
+        write_rows(self.path("color.png"), [stored[WIDTH * y:WIDTH * (y + 1)] for y in range(HEIGHT)])
+        self.shown = [((shade / 255 + 0.055) / 1.055) ** 2.4 for shade in stored]
+        soft, hard = off("color.png"), off("color.png", "--edges", "hard")
+        self.assertLess(soft[0], 1.1 * hard[0])
+        self.assertLess(soft[1], 1.1 * hard[1])
+        # What differs clearly is taken apart all the same.
+        self.shown = [0.33 * share + 0.3 * (1 - share) for share in near]
+        write_planes(self.path("color.exr"), WIDTH, HEIGHT, {name: self.shown for name in "RGB"})
+        through = lambda light, z: math.exp(-sigma * z) * light + (1 - math.exp(-sigma * z)) * fog
+        self.works(*self.words("--fog-color", f"{fog},{fog},{fog}"))
+        picture = read_exr(self.path("x.exr"))
+        self.assertLess(max(abs(picture.at(i % WIDTH, i // WIDTH, 0) - near[i] * through(0.33, 10) - (1 - near[i]) * through(0.3, 80))
+                            for i in range(WIDTH * HEIGHT) if 2 <= i // WIDTH < HEIGHT - 2), 0.01)
 
     def test_visible_pictures_are_dithered(self):
         wide = 480

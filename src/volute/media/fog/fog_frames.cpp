@@ -365,6 +365,12 @@ FramePixels cropped(const FramePixels& pixels, const PixelWindow& window) {
   return part;
 }
 
+FrameSteps stepsOf(const FogFrame& frame, const FramePixels& pixels) {
+  if (extensionOf(frame.color) != ".png")
+    return FrameSteps::kHalf;
+  return pixels.bits > 8 ? FrameSteps::kSrgb16 : FrameSteps::kSrgb8;
+}
+
 /// Adds pictures by their samples' weights.
 void add(Image& sum, const Image& image, const FrameSample& sample) {
   const auto channels = static_cast<std::size_t>(image.channels);
@@ -516,7 +522,7 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   if (count > 1)
     samples = samplesOf(out.pixels.color, std::move(depths));
   else if (options.softEdges)
-    samples = samplesOf(out.pixels.color, std::move(depths.front()));
+    samples = samplesOf(out.pixels.color, std::move(depths.front()), stepsOf(frame, out.pixels));
   else
     samples = {{out.pixels.color, std::move(depths.front()),
                 std::vector<float>(out.pixels.color.pixels.size() / 3, 1)}};

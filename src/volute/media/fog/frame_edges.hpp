@@ -19,11 +19,16 @@ struct FrameSample {
   std::vector<float> weight{};  ///< 0..1; those of all samples of a pixel add up to 1
 };
 
+/// How finely a frame's file stores colours.
+enum class FrameSteps { kHalf, kSrgb8, kSrgb16 };
+
 /// From one distance a pixel, as renderers write it. Where distances jump, a pixel's colour is
 /// taken apart into that of the near and that of the far surface beside it, if it lies between
-/// them; else the pixel stays whole. Without fog the samples add up to the picture.
+/// them; else the pixel stays whole. The less the colours of both differ, compared with their noise
+/// and steps, the more the shares are those of the pixel's distance. Without fog the samples add up
+/// to the picture.
 /// @param depth  of the colour's size [m]
-std::vector<FrameSample> samplesOf(const Image& color, std::vector<float> depth);
+std::vector<FrameSample> samplesOf(const Image& color, std::vector<float> depth, FrameSteps steps);
 
 /// From several distances a pixel: each sample gets the colour of the surface beside the pixel that
 /// is at its distance.
