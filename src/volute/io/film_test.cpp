@@ -154,6 +154,48 @@ TEST_P(Films, DarkGradientsHaveNoWideBands) {
   EXPECT_NEAR(255 * sum / kWidth, 255 * wanted / kWidth, 0.3);
 }
 
+/// The longest run of equal pixels in the pictures of a film of a dark gradient, each picture by
+/// `step` levels brighter than the one before it.
+int longestRun(const std::filesystem::path& path, int frames, double step) {
+  constexpr int kWidth = 960, kHeight = 64;
+  auto writer = FilmWriter::create(path, kWidth, kHeight, 25);
+  EXPECT_TRUE(writer) << writer.error().message;
+  for (int i = 0; writer && i < frames; ++i) {
+    Image ramp(kWidth, kHeight, 1);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x)
+        ramp.at(x, y) =
+            static_cast<float>(srgbDecode((14 + step * i + 7 * (x + 0.5) / kWidth) / 255));
+    }
+    EXPECT_TRUE(ok((*writer)->addFrame(ramp)));
+  }
+  EXPECT_TRUE(writer && ok((*writer)->finish()));
+  auto film = FilmReader::open(path);
+  int longest = 0;
+  for (int i = 0; film && i < frames; ++i) {
+    const auto frame = film->next();
+    EXPECT_TRUE(frame && *frame);
+    for (int y = 0; frame && *frame && y < kHeight; ++y) {
+      for (int x = 1, run = 1; x < kWidth; ++x) {
+        run = (*frame)->at(x, y, 1) == (*frame)->at(x - 1, y, 1) ? run + 1 : 1;
+        longest = std::max(longest, run);
+      }
+    }
+  }
+  return longest;
+}
+
+/// Encoders spend fewer bits on pictures from which no others are predicted.
+TEST_P(Films, FilmsOfOneOrTwoPicturesHaveNoWideBands) {
+  const TempFolder folder;
+  for (const int frames : {1, 2}) EXPECT_LT(longestRun(folder / GetParam(), frames, 0), 56);
+}
+
+TEST(Film, FadesHaveNoWideBands) {
+  const TempFolder folder;
+  EXPECT_LT(longestRun(folder / "film.mp4", 12, 0.5), 56);
+}
+
 TEST_P(Films, AllFramesAndTheirColoursComeBack) {
   const TempFolder folder;
   ASSERT_TRUE(ok(writeFilm(folder / GetParam(), 64, 48)));
