@@ -196,6 +196,21 @@ class Scenes(FogCase):
         self.render("x.exr", "--time", "1000")
         self.assertEqual(self.works("info", self.path("x.exr"), "--json").json["maximum"], 0)  # blown away
 
+    def test_fog_of_older_scenes_is_told_where_it_is_not_on_its_pixels(self):
+        white = {"map": "map.png", "cell": 4}
+        for more, shifts in (({"degree": 2, "cell": 10}, "the fog lies 10 m"), ({"degree": 0, "top": white}, "its top lies 2 m"),
+                             ({"degree": 3, "top": white}, "the fog lies 1.5 m, its top lies 2 m")):
+            self.scene["format"], self.scene["media"] = "volute-scene-1", [self.fog | more]
+            words = ("render", self.write(), "--aov", "optical-depth", "-o", self.path("x.exr"))
+            self.assertIn(f'/media/0: {shifts} off the pixels in x and y, as a volute-scene-1 means it; "registration": "pixel", or volute-scene-2, '
+                          "puts it on them", self.works(*words).message)
+            self.works(*words, "--strict")
+            for other in ({"format": "volute-scene-2"}, {"media": [self.fog | more | {"registration": "pixel"}]}):
+                self.path("other.json").write_text(json.dumps(self.scene | other))
+                self.assertNotIn("pixels", self.works("render", self.path("other.json"), "--aov", "optical-depth", "-o", self.path("x.exr")).message)
+        self.scene["format"], self.scene["media"] = "volute-scene-1", [self.fog | {"degree": 0}]
+        self.assertNotIn("pixels", self.works("render", self.write(), "--aov", "optical-depth", "-o", self.path("x.exr")).message)
+
     def test_what_changes_nothing_is_told(self):
         self.fog |= {"time": {"rate": 2}}
         self.assertIn("/media/0: time has no effect: there is one map",

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
+#include <fmt/ranges.h>
+
 #include <nlohmann/json.hpp>
 
 #include "volute/base/remark_log.hpp"
@@ -17,6 +19,25 @@ namespace volute {
 namespace {
 
 using OrderedJson = nlohmann::ordered_json;
+
+/// Where a scene of the first format has fog that is not where its pixels are.
+void sayShift(const FogDescription& fog, const MediumContext& context, Progress& progress) {
+  if (context.version >= 2 || fog.registration != FogRegistration::kCoefficient)
+    return;
+  std::vector<std::string> shifts;
+  if (const int degree = fog.options.degree; degree > 0)
+    shifts.push_back(fmt::format("the fog lies {:g} m", 0.5 * degree * fog.placement.cell));
+  if (fog.top)
+    shifts.push_back(fmt::format("its top lies {:g} m", 0.5 * fog.top->placement.cell));
+  if (shifts.empty())
+    return;
+  progress.remark(
+      Remark(RemarkCode::kNote,
+             fmt::format("{}: {}: {} off the pixels in x and y, as a volute-scene-1 means it; "
+                         "\"registration\": \"pixel\", or {}, puts it on them",
+                         context.file, context.path, fmt::join(shifts, ", "), kSceneFormat))
+          .in(context.file, context.path));
+}
 
 class FogKind final : public MediumKind {
  public:
@@ -44,6 +65,7 @@ class FogKind final : public MediumKind {
     } else {
       RemarkLog remarkLog(context.reading.progress);
       Reading reading = context.reading.with(remarkLog);
+      sayShift(fog, context, remarkLog);
       VOLUTE_ASSIGN(medium, FogSceneMedium::open(fog, lamps, reading));
       if (!context.geometry.empty() && !lamps.empty() &&
           !shadowsFog(context.geometry, lamps, medium->fogAt(0)))
