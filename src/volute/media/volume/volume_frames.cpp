@@ -27,6 +27,7 @@ namespace volute {
 namespace {
 
 constexpr double kRounding = 1e-12;
+constexpr float kSolid = 1e30F;  ///< [1/m], of what is written where nothing is known
 
 /// Of a level set what is inside, with an edge of one voxel.
 Bricks insideOf(const Bricks& distances, double voxel) {
@@ -804,7 +805,8 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
     const auto factor = static_cast<float>(appearance_.extinction);
     for (std::size_t i = 0; i < same.storedBricks(); ++i) {
       float* values = same.brick(static_cast<std::int32_t>(i));
-      for (int k = 0; k < BrickSlice::kVoxels; ++k) values[k] = std::max(0.0F, factor * values[k]);
+      for (int k = 0; k < BrickSlice::kVoxels; ++k)
+        values[k] = std::clamp(factor * values[k], 0.0F, kSolid);
     }
     same.dropEmpty();
     shadedSlice_ = std::make_shared<const BrickSlice>(std::move(same));
@@ -865,7 +867,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
         }
         float sum = 0;
         for (int c = 0; c < channels; ++c) sum += mains[c * kVoxels + i];
-        out[0] = std::max(0.0F, scale * sum);
+        out[0] = std::clamp(scale * sum, 0.0F, kSolid);
         if (!emits)
           continue;
         float sent[3]{};
