@@ -880,6 +880,14 @@ time.sleep(float(sys.argv[2]))
             volute.Scene(np.zeros((3, 4)))
         with self.assertRaisesRegex(ValueError, "not finite"):
             volute.Scene(self.decoded, extinction=np.nan)
+        for one in (2, np.float16(2), np.longdouble(2), np.array(2, "g"), np.uint8(2)):
+            wide = volute.Scene(self.decoded, bounds=bounds, times=times, extinction=one)
+            np.testing.assert_allclose(wide.render(3.0, camera=camera, size=(40, 48), aov="optical-depth"), 2 * depth, rtol=1e-5, atol=1e-6)
+        shades = [0.1, 0.2, 0.3]
+        np.testing.assert_array_equal(*(volute.Scene(self.decoded, extinction=1, albedo=albedo).render(size=(8, 8)) for albedo in (shades, np.array(shades, "g"))))
+        for one in (np.complex64(1), np.clongdouble(1), np.ones(3, "G"), np.datetime64("2020")):
+            with self.assertRaisesRegex(TypeError, "scenes have numbers, texts, lists and dicts"):
+                volute.Scene(self.decoded, extinction=one)
         with self.assertRaisesRegex(TypeError, "Ellipsis"):
             volute.Scene(self.decoded, extinction=...)
         self.assertIn(b"PNG", scene._repr_png_()[:8])
@@ -1666,7 +1674,7 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         for memory in (1.5, True, np.array(True), "4", None, [4]):
             with self.assertRaisesRegex(TypeError, "expected a number of bytes"):
                 volute.open(self.file, max_memory=memory)
-        for memory in (1e9, np.uint64(2 ** 63), np.array(1 << 30)):
+        for memory in (1e9, np.uint64(2 ** 63), np.array(1 << 30), np.longdouble(1 << 30)):
             volute.open(self.file, max_memory=memory)
 
     def test_members_are_for_what_is_made(self):

@@ -503,7 +503,9 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
 
 def plain(value):
     """A default of json.dumps: NumPy's numbers and arrays as the numbers that they are, paths as text."""
-    if isinstance(value, np.generic):
+    if isinstance(value, np.floating):
+        return float(value)  # a longdouble's item() is one itself
+    if isinstance(value, np.generic) and not isinstance(value.item(), np.generic):
         return value.item()
     if isinstance(value, np.ndarray):
         return unmasked(value, "an array in a scene").tolist()

@@ -31,6 +31,7 @@ def file_name(path, what="path"):
 def size_of(what, value):
     """A number of bytes."""
     count = np.asarray(value).item() if np.ndim(value) == 0 else None
+    count = float(count) if isinstance(count, np.longdouble) else count
     if isinstance(count, bool) or not isinstance(count, (int, float)) or np.asarray(value).dtype.kind not in "iufO":
         raise TypeError(f"{what}={value!r}: expected a number of bytes, a whole one")
     if not 0 <= count < 1 << 64:
