@@ -384,7 +384,7 @@ std::vector<std::string> FramePattern::others() const {
       name.replace(end, std::string::npos, suffix_);
     const auto text = numberIn(name);
     const bool numeric = text && !text->empty() && kDigits.find(text->back()) != text->npos &&
-                         text->find_first_not_of("-.0123456789") == text->npos;
+                         text->find_first_not_of("+- .0123456789") == text->npos;
     if (numeric && !match(itsName))
       names.push_back(itsName);
   }

@@ -182,6 +182,12 @@ TEST(NumberedFiles, WhatIsLeftOutIsSaid) {
   EXPECT_EQ(leftOutFiles(folder / "s_%d.vdb", ".vdb"), "1 file is left out: s_01.vdb");
   EXPECT_EQ(leftOutFiles(folder.path(), ".vdb"), "2 files are left out: s.vdb, s_x.vdb");
   EXPECT_EQ(leftOutFiles(folder / "s_2.vdb", ".vdb"), "");
+  // As %+d and %4d write them.
+  const TempFolder printed;
+  for (const char* name : {"c-1.vdb", "c+0.vdb", "c+1.vdb", "c   2.vdb", "c1000.vdb", "c +.vdb"})
+    writeBytes(printed / name, "");
+  EXPECT_EQ(leftOutFiles(printed / "c%d.vdb", ".vdb"),
+            "3 files are left out: c   2.vdb, c+0.vdb, c+1.vdb");
 }
 
 TEST(FramePattern, AnExistingFileIsNoPattern) {
