@@ -145,15 +145,19 @@ class Frames(support.TestCase):
     def test_what_cannot_be_known_is_asked_for(self):
         zero = [1.0] * (WIDTH * HEIGHT)
         self.depth({"Z": self.depths})
-        self.assertIn("does not say whether depths are along the view axis", self.works(*self.words()).message)
+        self.assertIn("does not say whether depths are along the view axis (z) or from the eye (ray); z is assumed; choose one with --depth-kind",
+                      self.works(*self.words()).message)
         self.assertNotIn("does not say", self.works(*self.words("--depth-kind", "ray")).message)
         self.depth({"A.Depth.Z": self.depths, "B.Depth.Z": zero})
-        self.assertIn("A.Depth.Z, B.Depth.Z", self.fails(1, *self.words()))
+        self.assertIn("A.Depth.Z, B.Depth.Z; expected one; choose one with --depth-channel", self.fails(1, *self.words()))
         self.plain()
         self.assertAsPlain("--depth-channel", "A.Depth.Z")
         self.assertIn("has no channel 'C'", self.fails(1, *self.words("--depth-channel", "C")))
         self.depth({"N.X": zero, "N.Y": zero, "N.Z": zero})
         self.assertIn("N.X, N.Y, N.Z", self.fails(1, *self.words()))
+        for name in ("ViewLayer.Mist.Z", "Mist.V", "mist"):
+            self.depth({name: [min(depth, 100) / 100 for depth in self.depths]})
+            self.assertIn(f"{name}, which is 0 to 1 between two distances; expected a depth", self.fails(1, *self.words()))
         self.depth({"R": self.depths, "G": zero, "B": self.depths})
         self.assertIn("R, G and B are not the same", self.fails(1, *self.words()))
 
@@ -161,10 +165,11 @@ class Frames(support.TestCase):
         self.plain()
         centimetres = [100 * depth for depth in self.depths]
         self.depth({"FinalImageMovieRenderQueue_WorldDepth.R": centimetres})
-        self.assertIn("centimetres, 0.01", self.fails(1, *self.words()))
+        self.assertIn("centimetres, 0.01; give --depth-scale", self.fails(1, *self.words()))
         self.assertAsPlain("--depth-scale", "0.01")
         self.depth({"Z": [depth / 1000 for depth in self.depths]})
-        self.assertIn("within 0.061 m of the eye", self.works(*self.words()).message)
+        self.assertIn("within 0.061 m of the eye; depths may be normalised, in another unit, or 1 / z; --depth-scale says how many "
+                      "metres a unit is, or --depth-kind inverse takes them for 1 / z", self.works(*self.words()).message)
         self.assertAsPlain("--depth-scale", "1000", within=1e-5)
 
     def test_half_floats_within_their_rounding(self):

@@ -73,7 +73,7 @@ Lost lostIn(const std::string& target, const FramePixels& frame) {
 void tell(const FoggedFrame& frame, std::set<std::string>& told, Progress& progress) {
   for (const FrameRemark& remark : frame.remarks) {
     if (told.insert(remark.subject).second)
-      progress.remark({remark.code, remark.text});
+      progress.remark({remark.code, remark.text, remark.hints});
   }
 }
 

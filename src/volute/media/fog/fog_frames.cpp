@@ -111,7 +111,7 @@ Result<Depth> readPngDepth(const std::string& path, const FogFrameOptions& optio
     return fail(ErrorCode::kInvalidData, "{}: expected the depth as .exr or .png", path);
   if (!options.depthScale) {
     return fail(
-        ErrorCode::kInvalidData,
+        ErrorCode::kInvalidData, Hint::set("depth_scale"),
         "{}: a .png has no metres; expected a .exr, or how many metres one of its steps is: "
         "0.01 for centimetres",
         path);
@@ -139,7 +139,7 @@ Result<Depth> readExrDepth(const std::string& path, const FogFrameOptions& optio
   if (!found)
     return in(path, found.error());
   if (!found->unit.empty() && !options.depthScale) {
-    return fail(ErrorCode::kInvalidData,
+    return fail(ErrorCode::kInvalidData, Hint::set("depth_scale"),
                 "{}: channel '{}' is not in metres; expected how many metres its unit is: {}", path,
                 found->channel.name, found->unit);
   }
@@ -152,7 +152,7 @@ Result<Depth> readExrDepth(const std::string& path, const FogFrameOptions& optio
     const bool grey = pixel[0] == pixel[1] && pixel[0] == pixel[2];
     if (!grey && !(std::isnan(pixel[0]) && std::isnan(pixel[1])))
       return fail(
-          ErrorCode::kInvalidData,
+          ErrorCode::kInvalidData, Hint::set("depth_channel"),
           "{}: R, G and B are not the same; expected the depth, of a picture in colours the "
           "channel that is it",
           path);
@@ -502,21 +502,24 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
   out.remarks.insert(out.remarks.begin(), distances.sentence());
   if (!distances.stated() && !camera.isOrthographic()) {
     out.remarks.push_back(
-        {RemarkCode::kAssumed, "kind",
+        {RemarkCode::kAssumed,
+         "kind",
          fmt::format("{}: does not say whether depths are along the view axis (z) or from the eye "
-                     "(ray); z is assumed, say which it is",
-                     frame.depth)});
+                     "(ray); z is assumed",
+                     frame.depth),
+         {Hint::choose("depth_kind")}});
   }
   const double extent = fog.fogAt(0).bounds().size().head<2>().maxCoeff();
   if (distances.farthest() > 0 &&
       (distances.farthest() <= 1 || distances.farthest() < 1e-3 * extent)) {
-    out.remarks.push_back(
-        {RemarkCode::kAssumed, "near",
-         fmt::format(
-             "{}: all that is seen is within {:.3g} m of the eye; if depths are not in metres but "
-             "normalised or in another unit, say how many metres a unit is; if they are 1 / z, "
-             "that they are inverse",
-             frame.depth, distances.farthest())});
+    out.remarks.push_back({RemarkCode::kAssumed,
+                           "near",
+                           fmt::format("{}: all that is seen is within {:.3g} m of the eye; depths "
+                                       "may be normalised, in another "
+                                       "unit, or 1 / z",
+                                       frame.depth, distances.farthest()),
+                           {Hint::set("depth_scale").so("says how many metres a unit is"),
+                            Hint::set("depth_kind", "inverse").so("takes them for 1 / z")}});
   }
   std::vector<FrameSample> samples;
   if (count > 1)

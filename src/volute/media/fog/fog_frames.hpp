@@ -46,6 +46,7 @@ struct FrameRemark {
   RemarkCode code = RemarkCode::kNote;
   std::string subject;
   std::string text;
+  Hints hints{};
 };
 
 /// A frame with fog over it.

@@ -118,6 +118,11 @@ const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChan
   return layer.empty() || own != "z" || picture ? depthOf(own) : nullptr;
 }
 
+/// "ViewLayer.Mist.Z".
+bool isMist(const FrameChannel& channel) {
+  return lowerCase(after(before(channel.name))) == "mist" || lowerCase(channel.name) == "mist";
+}
+
 DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const DepthName* name) {
   DepthChannel depth{channel};
   if (name)
@@ -164,11 +169,10 @@ Result<ColorChannels> colorChannels(std::span<const FrameChannel> channels,
   if (!layers.empty()) {
     if (layers.size() == 1 || rankOf(layers[0]) < rankOf(layers[1]))
       return make(layers[0]);
-    return fail(
-        ErrorCode::kInvalidData,
-        "has the layers {}; expected one, or one called Combined, rgba or beauty: say which "
-        "layer is the picture",
-        fmt::join(layers, ", "));
+    return fail(ErrorCode::kInvalidData,
+                Hint::set("color_layer").so("says which layer is the picture"),
+                "has the layers {}; expected one, or one called Combined, rgba or beauty",
+                fmt::join(layers, ", "));
   }
   const FrameChannel* grey = find(channels, "Y");
   if (!grey && channels.size() == 1)
@@ -221,8 +225,13 @@ Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& want
   if (found.size() > 1) {
     std::vector<std::string> names;
     for (const DepthChannel& depth : found) names.push_back(depth.channel.name);
-    return fail(ErrorCode::kInvalidData, "has the depths {}; expected one: say which channel it is",
-                fmt::join(names, ", "));
+    return fail(ErrorCode::kInvalidData, Hint::choose("depth_channel"),
+                "has the depths {}; expected one", fmt::join(names, ", "));
+  }
+  if (channels.size() == 1 && isMist(channels.front())) {
+    return fail(ErrorCode::kInvalidData,
+                "has the channel {}, which is 0 to 1 between two distances; expected a depth",
+                channels.front().name);
   }
   if (channels.size() == 1)
     return makeDepth(info, channels.front(), nullptr);
@@ -234,9 +243,9 @@ Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& want
   const FrameChannel* only = find(channels, "Y");
   if (only && channels.size() == (find(channels, "A") ? 2U : 1U))
     return makeDepth(info, *only, nullptr);
-  return fail(ErrorCode::kInvalidData,
+  return fail(ErrorCode::kInvalidData, Hint::set("depth_channel").so("says which channel it is"),
               "has the channels {}; expected a depth as renderers call it (Z, Depth.V, "
-              "ViewLayer.Depth.Z, depth.Z), or R = G = B: say which channel it is",
+              "ViewLayer.Depth.Z, depth.Z), or R = G = B",
               namesOf(channels));
 }
 
