@@ -270,12 +270,44 @@ class NpySequence final : public LayerwiseSource {
   double rounding_ = 0, offset_ = 0;
 };
 
+/// @param chosen  becomes the name of the array in a .npz; of a .npy it stays
+Result<std::unique_ptr<FrameSource>> openNamed(const std::filesystem::path& path,
+                                               const SourceOptions& options, std::string& chosen) {
+  if (extensionOf(path) == ".npz") {
+    VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
+    if (options.grid.empty() && !array.others.empty() && options.remark) {
+      options.remark(Remark(RemarkCode::kAssumed,
+                            fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
+                                        array.name, fmt::join(array.others, ", ")),
+                            {Hint::choose("field")})
+                         .in(path.string()));
+    }
+    if (!array.rest.empty() && options.remark) {
+      options.remark(Remark(RemarkCode::kLeftOut,
+                            fmt::format("{}: arrays that are not of three to five axes are left "
+                                        "out: {}",
+                                        path.string(), fmt::join(array.rest, ", ")))
+                         .in(path.string()));
+    }
+    chosen = array.name;
+    return openArray(std::move(array.file), array.name, std::move(array.others), options);
+  }
+  if (!options.grid.empty()) {
+    return fail(ErrorCode::kInvalidArgument,
+                "{}: a .npy file has no named grids; leave out the field '{}'", path.string(),
+                options.grid);
+  }
+  VOLUTE_ASSIGN(auto file, InputFile::open(path));
+  return openArray(NumberFile(std::move(file)), "", {}, options);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedFile>& files,
-                                                     const SourceOptions& options) {
+                                                     const SourceOptions& given) {
   VOLUTE_ASSERT(!files.empty());
-  VOLUTE_ASSIGN(const auto first, openNpy(files.front().path, options));
+  SourceOptions options = given;  // the array of the first file is that of all
+  VOLUTE_ASSIGN(const auto first, openNamed(files.front().path, given, options.grid));
   VolumeInfo info = first->info();
   info.frames = static_cast<int>(files.size());
   info.frameNumbers.clear(), info.times.clear();
@@ -294,31 +326,8 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
 
 Result<std::unique_ptr<FrameSource>> openNpy(const std::filesystem::path& path,
                                              const SourceOptions& options) {
-  if (extensionOf(path) == ".npz") {
-    VOLUTE_ASSIGN(auto array, openNpzArray(path, options));
-    if (options.grid.empty() && !array.others.empty() && options.remark) {
-      options.remark(Remark(RemarkCode::kAssumed,
-                            fmt::format("{}: the array '{}' is read; it also has {}", path.string(),
-                                        array.name, fmt::join(array.others, ", ")),
-                            {Hint::choose("field")})
-                         .in(path.string()));
-    }
-    if (!array.rest.empty() && options.remark) {
-      options.remark(Remark(RemarkCode::kLeftOut,
-                            fmt::format("{}: arrays that are not of three to five axes are left "
-                                        "out: {}",
-                                        path.string(), fmt::join(array.rest, ", ")))
-                         .in(path.string()));
-    }
-    return openArray(std::move(array.file), array.name, std::move(array.others), options);
-  }
-  if (!options.grid.empty()) {
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: a .npy file has no named grids; leave out the field '{}'", path.string(),
-                options.grid);
-  }
-  VOLUTE_ASSIGN(auto file, InputFile::open(path));
-  return openArray(NumberFile(std::move(file)), "", {}, options);
+  std::string chosen;
+  return openNamed(path, options, chosen);
 }
 
 Result<std::unique_ptr<NpySink>> NpySink::create(const std::filesystem::path& path,

@@ -157,5 +157,23 @@ TEST(Npz, RefusesWhatUnpacksToTooMuch) {
   EXPECT_TRUE(ok(openSource(folder / "a.npz", options)));
 }
 
+TEST(Npz, ALaterFileOfASequenceHasTheArrayOfTheFirst) {
+  const TempFolder folder;
+  const auto one = makeBlob(1, 3, 4, 5);
+  const auto said = [&](const std::string& later, const std::string& first = "smoke.npy") {
+    for (int i = 0; i < 3; ++i) {
+      writeBytes(folder / fmt::format("s_{}.npz", i),
+                 archiveOf({{i == 1 ? later : first, npyOf(one)}}));
+    }
+    const auto read = readSequence(folder / "s_%d.npz");
+    return read ? std::string() : read.error().message;
+  };
+  EXPECT_EQ(said("smoke.npy"), "");
+  EXPECT_THAT(said("temperature.npy"),
+              HasSubstr("s_1.npz: no array named 'smoke'; it has temperature (4 axes)"));
+  EXPECT_THAT(said("Smoke.npy"), HasSubstr("did you mean 'Smoke'?"));
+  EXPECT_THAT(said("arr_1.npy", "arr_0.npy"), HasSubstr("no array named 'arr_0'"));
+}
+
 }  // namespace
 }  // namespace volute
