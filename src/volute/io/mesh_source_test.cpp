@@ -109,6 +109,39 @@ TEST(MeshSource, AFieldThatIsAbsentAtATimeIsLeftOutThere) {
   EXPECT_EQ(neither.times().size(), 3U) << "reading says what there is";
 }
 
+TEST(MeshSource, AFieldThatAPieceLacksIsRefused) {
+  const TempFolder folder;
+  const std::string
+      text = vtu("1 2 3 4 5 6"),
+      empty =
+          "<Piece NumberOfPoints=\"0\" NumberOfCells=\"0\">"
+          "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\"/></Points><Cells>"
+          "<DataArray type=\"Int32\" Name=\"connectivity\"/><DataArray type=\"Int32\" "
+          "Name=\"offsets\"/><DataArray type=\"UInt8\" Name=\"types\"/></Cells></Piece>";
+  const std::size_t begin = text.find("<Piece"), end = text.find("</UnstructuredGrid>");
+  const std::string piece = text.substr(begin, end - begin);
+  const auto said = [&](const std::string& second, const std::string& field = "smoke") {
+    write(folder / "a.vtu", text.substr(0, end) + second + text.substr(end));
+    const auto read = readOne(folder / "a.vtu", {.field = field});
+    return read ? std::string() : read.error().message;
+  };
+  const std::string cells =
+      "<CellData><DataArray type=\"Int8\" Name=\"k\" format=\"ascii\">1 2 3</DataArray>";
+  for (const char* field : {"", "smoke"}) {
+    EXPECT_EQ(said(empty, field), "");
+    EXPECT_THAT(said(renamed(piece, "\"smoke\"", "\"soot\""), field),
+                HasSubstr("smoke in 1, soot in 1 of 2 blocks"));
+    EXPECT_THAT(said(renamed(piece, "PointData", "FieldData"), field),
+                HasSubstr("smoke in 1 of 2 blocks"));
+  }
+  EXPECT_THAT(said(renamed(piece, "<CellData>", cells), "k"), HasSubstr("k in 1 of 2 blocks"));
+  EXPECT_THAT(said(renamed(piece, "<CellData>", cells), ""), HasSubstr("which field?"));
+  EXPECT_THAT(said(renamed(piece, "Float64", "Float32")), HasSubstr("'smoke' is of 1 x Float32"));
+  EXPECT_THAT(said(renamed(piece, "<Points><DataArray type=\"Float32\"",
+                           "<Points><DataArray type=\"Float64\"")),
+              HasSubstr("'Points' is of 3 x Float64"));
+}
+
 TEST(MeshSource, AFileThatIsThereAtTwoTimesIsTold) {
   const TempFolder folder;
   write(folder / "a.vtu", vtu("1 2 3 4 5 6"));

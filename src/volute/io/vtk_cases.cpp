@@ -7,6 +7,7 @@
 #include <vtkCompositeDataIterator.h>
 #include <vtkCompositeDataSet.h>
 #include <vtkDataSet.h>
+#include <vtkDataSetAttributes.h>
 #include <vtkExodusIIReader.h>
 #include <vtkGenericEnSightReader.h>
 #include <vtkInformation.h>
@@ -177,7 +178,7 @@ Status join(const std::vector<vtkUnstructuredGrid*>& grids, const std::string& f
     return fail(ErrorCode::kInvalidData, "{}: has no cells with a volume; expected a mesh of them",
                 file);
   }
-  volume.blocks = static_cast<int>(grids.size());
+  volume.blocks = std::max(volume.blocks, static_cast<int>(grids.size()));
   notePartialFields(grids, volume);
   for (vtkUnstructuredGrid* grid : grids) {
     const vtkIdType before = grid->GetNumberOfCells();
@@ -198,14 +199,24 @@ Status join(const std::vector<vtkUnstructuredGrid*>& grids, const std::string& f
   return {};
 }
 
+/// Fields that not all pieces of the file have are left out, and noted in `volume`.
 Result<vtkSmartPointer<vtkUnstructuredGrid>> readVtu(const std::filesystem::path& path,
-                                                     const ErrorWatch& watch) {
-  VOLUTE_TRY(readVtkXml(path));
+                                                     const ErrorWatch& watch, VtkVolume& volume) {
+  VOLUTE_ASSIGN(const auto root, readVtkXml(path));
   vtkNew<vtkXMLUnstructuredGridReader> reader;
   reader->SetFileName(path.c_str());
   reader->Update();
   VOLUTE_TRY(watch.status(path.string()));
-  return vtkSmartPointer<vtkUnstructuredGrid>(reader->GetOutput());
+  vtkSmartPointer<vtkUnstructuredGrid> grid = reader->GetOutput();
+  for (const PartialArray& array : partialArrays(*root)) {
+    volume.partial[array.name] = array.pieces;
+    volume.blocks = array.all;
+    vtkDataSetAttributes* const data = array.ofCells
+                                           ? static_cast<vtkDataSetAttributes*>(grid->GetCellData())
+                                           : grid->GetPointData();
+    data->RemoveArray(array.name.c_str());
+  }
+  return grid;
 }
 
 /// The .vtu files that a .pvtu names.
@@ -241,15 +252,18 @@ Result<VtkVolume> readPvtu(const std::filesystem::path& path, const MeshShare& s
   const std::int64_t end = std::int64_t{count} * (share.index + 1) / share.count;
   std::vector<vtkSmartPointer<vtkUnstructuredGrid>> held;
   std::vector<vtkUnstructuredGrid*> grids;
+  VtkVolume volume;
   for (const auto& piece : std::span(pieces).subspan(static_cast<std::size_t>(begin),
                                                      static_cast<std::size_t>(end - begin))) {
-    VOLUTE_ASSIGN(auto grid, ofFile(readVtu(piece, watch), piece.string()));
+    VtkVolume its;
+    VOLUTE_ASSIGN(auto grid, ofFile(readVtu(piece, watch, its), piece.string()));
     if (hasVolume(*grid)) {
+      volume.partial.merge(its.partial);
+      volume.blocks = std::max(volume.blocks, its.blocks);
       grids.push_back(grid);
       held.push_back(std::move(grid));
     }
   }
-  VtkVolume volume;
   VOLUTE_TRY(join(grids, path.string(), watch, volume));
   volume.ghosts = 0;  // each is a cell of another piece
   return volume;
@@ -380,7 +394,7 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t f
   const ErrorWatch watch;
   VtkVolume volume;
   if (kind == ".vtu") {
-    VOLUTE_ASSIGN(const auto grid, readVtu(path, watch));
+    VOLUTE_ASSIGN(const auto grid, readVtu(path, watch, volume));
     VOLUTE_TRY(join(volumesOf(grid), file, watch, volume));
     return volume;
   }

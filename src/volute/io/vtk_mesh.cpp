@@ -177,10 +177,19 @@ class VtkMeshReader final : public MeshReader {
       listFields(volume.grid, names, fields);
     }
     vtkUnstructuredGrid* grid = volume.grid;
-    if (volume.partial.contains(wanted) || (names.empty() && !volume.partial.empty())) {
+    if (volume.partial.contains(wanted) ||
+        (std::ranges::none_of(names, &GridEntry::usable) && !volume.partial.empty())) {
       return fail(ErrorCode::kUnsupported,
                   "{}: its blocks have not the same fields: {}; expected the field in all of them",
                   file, partialText(volume));
+    }
+    if (wanted.empty() && !volume.partial.empty()) {
+      std::string all;
+      for (const GridEntry& entry : names)
+        all += fmt::format("{}{} ({})", all.empty() ? "" : ", ", entry.name, entry.type);
+      return fail(ErrorCode::kInvalidArgument, Hint::choose("field"),
+                  "{}: which field? All of its blocks have {}; others are {}", file, all,
+                  partialText(volume));
     }
     VOLUTE_ASSIGN(const std::size_t chosen,
                   chooseGrid(names, wanted, file, {.noun = "field", .expected = "a scalar"}));

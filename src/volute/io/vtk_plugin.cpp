@@ -25,6 +25,7 @@
 #include <functional>
 #include <initializer_list>
 #include <limits>
+#include <span>
 
 #include "volute/base/number_type.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -68,9 +69,44 @@ void listArrays(vtkInformation* information, bool cells, Arrays& arrays) {
   }
 }
 
+/// Marks those that not all pieces have, and adds those that the first, which VTK lists, lacks.
+void markPartial(std::span<const PartialArray> partial, Arrays& arrays) {
+  for (const PartialArray& part : partial) {
+    std::size_t at = 0;
+    while (at < arrays.names.size() &&
+           (arrays.entries[at].name != part.name || arrays.entries[at].cells != part.ofCells))
+      ++at;
+    if (at == arrays.names.size()) {
+      arrays.names.push_back({part.name, fmt::format("of {}", part.ofCells ? "cells" : "points")});
+      arrays.entries.push_back({part.name, part.ofCells});
+    }
+    arrays.names[at].usable = false;
+    arrays.names[at].type += fmt::format(", in {} of {} pieces", part.pieces, part.all);
+  }
+}
+
+/// Refuses a partial array that is meant, `names` as told apart.
+Status checkPartial(std::span<const PartialArray> partial, std::span<const GridEntry> names,
+                    const std::string& meant, const std::string& file) {
+  for (const GridEntry& entry : names) {
+    if (entry.usable && entry.name == meant)
+      return {};
+  }
+  for (const PartialArray& part : partial) {
+    const char* const of = part.ofCells ? "cells" : "points";
+    if (part.name == meant || fmt::format("{} ({})", part.name, of) == meant) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: array '{}' of {} is in {} of {} pieces; expected it in all of them", file,
+                  part.name, of, part.pieces, part.all);
+    }
+  }
+  return {};
+}
+
 /// Name, place and size of the wanted array.
 Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::string& wanted,
                                    const std::string& file, ArrayEntry& entry,
+                                   std::span<const PartialArray> partial,
                                    const std::string& usual = "density") {
   vtkInformation* information = reader->GetOutputInformation(0);
   if (!information->Has(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT())) {
@@ -80,6 +116,8 @@ Result<LatticeFrame> describeImage(vtkXMLImageDataReader* reader, const std::str
   listArrays(information, true, arrays);
   listArrays(information, false, arrays);
   tellApart(arrays.names, [&](std::size_t i) { return arrays.entries[i].cells; });
+  markPartial(partial, arrays);
+  VOLUTE_TRY(checkPartial(partial, arrays.names, wanted.empty() ? usual : wanted, file));
   VOLUTE_ASSIGN(const std::size_t index, chooseGrid(arrays.names, wanted, file, {.usual = usual}));
   entry = arrays.entries[index];
   LatticeFrame frame;
@@ -273,7 +311,7 @@ class VtkReader final : public LatticeReader {
     reader->UpdateInformation();
     VOLUTE_TRY(watch.status(path.string()));
     ArrayEntry entry;
-    auto frame = describeImage(reader, wanted, path.string(), entry, usual);
+    auto frame = describeImage(reader, wanted, path.string(), entry, partialArrays(*root), usual);
     if (!frame && frame.error().code == ErrorCode::kNotFound) {
       // Unlike grids of OpenVDB, arrays are never left out where they are empty.
       frame.error().code = ErrorCode::kInvalidData;
@@ -299,7 +337,7 @@ class VtkReader final : public LatticeReader {
     reader->UpdateInformation();
     VOLUTE_TRY(watch.status(file));
     ArrayEntry entry;
-    VOLUTE_ASSIGN(const LatticeFrame frame, describeImage(reader, wanted, file, entry));
+    VOLUTE_ASSIGN(const LatticeFrame frame, describeImage(reader, wanted, file, entry, {}));
     select(reader, entry.cells, {entry.name.c_str(), kGhosts});
     // Of the file's layers those that are asked for.
     IndexBox part = frame.box;

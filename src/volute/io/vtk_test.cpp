@@ -235,6 +235,54 @@ TEST(Vtk, PiecesThatOverlapDoNotMakeUpForHoles) {
   EXPECT_THAT(said({lower, left}), HasSubstr("the cell 2,0,2 (x,y,z) is in none of its pieces"));
 }
 
+TEST(Vtk, AnArrayThatAPieceLacksIsRefused) {
+  const TempFolder folder;
+  const std::string text = inPieces({{0, 4, 0, 4, 0, 2}, {0, 4, 0, 4, 2, 4}});
+  const std::size_t second = text.rfind("<CellData>");
+  const auto said = [&](const std::string& from, const std::string& to, std::size_t after,
+                        const std::string& grid = "") {
+    std::string changed = text;
+    const std::size_t at = changed.find(from, after);
+    EXPECT_NE(at, std::string::npos) << from;
+    writeBytes(folder / "p.vti", changed.replace(at, from.size(), to));
+    SourceOptions options;
+    options.grid = grid;
+    const auto read = readSequence(folder / "p.vti", options);
+    return read ? std::string() : read.error().message;
+  };
+  const std::string all = text.substr(second, text.find("</Piece>", second) - second);
+  for (const char* grid : {"", "k"}) {
+    EXPECT_EQ(said("\"k\"", "\"k\"", second, grid), "");
+    for (const auto& [from, to] :
+         {std::pair(std::string("\"k\""), "\"K\""), {all, ""}, {all, "<CellData/>"}}) {
+      EXPECT_THAT(said(from, to, second, grid), HasSubstr("in 1 of 2 pieces")) << to;
+      if (to == std::string("\"K\"")) {
+        EXPECT_THAT(said(from, to, 0, grid), HasSubstr("in 1 of 2 pieces"));
+      }
+    }
+  }
+  // What is asked for is in all pieces, and the other one in none of the cells.
+  EXPECT_EQ(said(
+                "<CellData>",
+                "<CellData><DataArray type=\"Int8\" Name=\"m\" format=\"ascii\">" +
+                    [] {
+                      std::string ones;
+                      for (int i = 0; i < 32; ++i) ones += "1 ";
+                      return ones;
+                    }() +
+                    "</DataArray>",
+                second, "k"),
+            "");
+  EXPECT_THAT(said("Float32", "Float64", second),
+              HasSubstr("'k' is of 1 x Float64, in a piece before it of 1 x Float32"));
+  EXPECT_THAT(said("\"k\"", "\"k\" NumberOfComponents=\"3\"", second), HasSubstr("of 3 x Float32"));
+  EXPECT_THAT(said("<CellData>",
+                   "<CellData><DataArray type=\"UInt8\" Name=\"vtkGhostType\" format=\"ascii\">0"
+                   "</DataArray>",
+                   0),
+              HasSubstr("'vtkGhostType' is in 1 of 2 pieces"));
+}
+
 TEST(Vtk, HiddenCellsHaveNoValue) {
   const TempFolder folder;
   std::string text = inPieces({{0, 4, 0, 4, 0, 4}}), marks;

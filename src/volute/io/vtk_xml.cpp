@@ -109,6 +109,66 @@ bool isFinite(std::string_view word, bool whole) {
   return whole ? readNumber(word, integer) : readNumber(word, real) && std::isfinite(real);
 }
 
+/// Cells [begin, end) along x, y and z; a flat image has one layer of them.
+using Cells = std::array<std::int64_t, 6>;
+
+Cells extentOf(vtkXMLDataElement* element, const char* name) {
+  Cells extent{};
+  const char* text = element->GetAttribute(name);
+  const auto words = wordsIn(text ? text : "");
+  for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
+    readNumber(words[i], extent[i]);
+  return extent;
+}
+
+std::vector<vtkXMLDataElement*> piecesIn(vtkXMLDataElement* grid) {
+  std::vector<vtkXMLDataElement*> pieces;
+  for (int i = 0; i < grid->GetNumberOfNestedElements(); ++i) {
+    if (grid->GetNestedElement(i)->GetName() == std::string_view("Piece"))
+      pieces.push_back(grid->GetNestedElement(i));
+  }
+  return pieces;
+}
+
+/// Whether a piece of `grid` has cells, or points; of an image it has both or none.
+bool hasAny(vtkXMLDataElement* grid, vtkXMLDataElement* piece, bool cells) {
+  if (!grid->GetAttribute("WholeExtent")) {
+    const char* count = piece->GetAttribute(cells ? "NumberOfCells" : "NumberOfPoints");
+    std::int64_t number = 0;
+    return count && readNumber(count, number) && number > 0;
+  }
+  const Cells whole = extentOf(grid, "WholeExtent"), extent = extentOf(piece, "Extent");
+  for (std::size_t axis = 0; axis < 6; axis += 2) {
+    if (extent[axis + 1] < extent[axis] + (whole[axis] == whole[axis + 1] ? 0 : 1))
+      return false;
+  }
+  return true;
+}
+
+std::vector<PartialArray> partialIn(vtkXMLDataElement* grid) {
+  std::vector<PartialArray> partial;
+  for (const bool ofCells : {false, true}) {
+    int all = 0;
+    std::map<std::string, int> counts;
+    for (vtkXMLDataElement* const piece : piecesIn(grid)) {
+      if (!hasAny(grid, piece, ofCells))
+        continue;
+      ++all;
+      vtkXMLDataElement* const arrays =
+          piece->FindNestedElementWithName(ofCells ? "CellData" : "PointData");
+      for (int i = 0; arrays && i < arrays->GetNumberOfNestedElements(); ++i) {
+        if (const char* const name = arrays->GetNestedElement(i)->GetAttribute("Name"))
+          ++counts[name];
+      }
+    }
+    for (const auto& [name, count] : counts) {
+      if (count < all)
+        partial.push_back({name, ofCells, count, all});
+    }
+  }
+  return partial;
+}
+
 class XmlCheck {
  public:
   explicit XmlCheck(std::string file) : file_(std::move(file)) {}
@@ -129,6 +189,8 @@ class XmlCheck {
       VOLUTE_TRY(check(element->GetNestedElement(i), name));
     if (name == "ImageData")
       VOLUTE_TRY(checkExtents(element));
+    if (name == "ImageData" || name == "UnstructuredGrid" || name == "PolyData")
+      VOLUTE_TRY(checkPieces(element));
     if (name == "PointData" || name == "CellData")
       VOLUTE_TRY(checkArrayNames(element));
     return {};
@@ -210,18 +272,6 @@ class XmlCheck {
                  rule->whole ? "whole " : "", rule->count > 1 ? "s with spaces between them" : "");
   }
 
-  /// Cells [begin, end) along x, y and z; a flat image has one layer of them.
-  using Cells = std::array<std::int64_t, 6>;
-
-  static Cells extentOf(vtkXMLDataElement* element, const char* name) {
-    Cells extent{};
-    const char* text = element->GetAttribute(name);
-    const auto words = wordsIn(text ? text : "");
-    for (std::size_t i = 0; i < std::min(words.size(), extent.size()); ++i)
-      readNumber(words[i], extent[i]);
-    return extent;
-  }
-
   /// Every cell is in one piece: VTK leaves what no piece fills as it finds it in memory, and of
   /// pieces that overlap the last one counts.
   Status checkExtents(vtkXMLDataElement* image) const {
@@ -243,10 +293,7 @@ class XmlCheck {
       }
     };
     add(whole, -1);
-    for (int i = 0; i < image->GetNumberOfNestedElements(); ++i) {
-      vtkXMLDataElement* const piece = image->GetNestedElement(i);
-      if (piece->GetName() != std::string_view("Piece"))
-        continue;
+    for (vtkXMLDataElement* const piece : piecesIn(image)) {
       const Cells extent = extentOf(piece, "Extent");
       for (std::size_t axis = 0; axis < 6; axis += 2) {
         if (extent[axis] < whole[axis] || extent[axis + 1] > whole[axis + 1])
@@ -269,6 +316,44 @@ class XmlCheck {
     return {};
   }
 
+  /// VTK takes the numbers of all pieces for those of the type that the first states, and marks of
+  /// hidden cells as it finds them in memory where a piece has none.
+  Status checkPieces(vtkXMLDataElement* grid) const {
+    std::map<std::string, std::pair<std::string, std::string>> first;
+    for (vtkXMLDataElement* const piece : piecesIn(grid)) {
+      for (const char* const group : {"PointData", "CellData", "Points"}) {
+        vtkXMLDataElement* const arrays = piece->FindNestedElementWithName(group);
+        for (int i = 0; arrays && i < arrays->GetNumberOfNestedElements(); ++i) {
+          vtkXMLDataElement* const array = arrays->GetNestedElement(i);
+          const auto attribute = [&](const char* name, const char* otherwise) {
+            const char* const value = array->GetAttribute(name);
+            return oneLine(value ? value : otherwise);
+          };
+          const bool points = group == std::string_view("Points");
+          const std::string name = attribute("Name", points ? "Points" : "");
+          const std::pair type(attribute("NumberOfComponents", "1"), attribute("type", ""));
+          const auto [at, added] =
+              first.emplace(fmt::format("{}/{}", group, points ? "" : name), type);
+          const auto& before = at->second;
+          if (before != type) {
+            return wrong(
+                array,
+                "'{}' is of {} x {}, in a piece before it of {} x {}; expected the same in "
+                "all pieces",
+                name, type.first, type.second, before.first, before.second);
+          }
+        }
+      }
+    }
+    for (const PartialArray& array : partialIn(grid)) {
+      if (array.name == "vtkGhostType") {
+        return wrong(grid, "'{}' is in {} of {} pieces; expected it in all of them", array.name,
+                     array.pieces, array.all);
+      }
+    }
+    return {};
+  }
+
   Status checkCellArray(vtkXMLDataElement* element) const {
     const char* name = element->GetAttribute("Name");
     const Words known = wordsIn(kCellArrays);
@@ -283,6 +368,14 @@ class XmlCheck {
 };
 
 }  // namespace
+
+std::vector<PartialArray> partialArrays(vtkXMLDataElement& root) {
+  for (const char* const kind : {"ImageData", "UnstructuredGrid"}) {
+    if (vtkXMLDataElement* const grid = root.FindNestedElementWithName(kind))
+      return partialIn(grid);
+  }
+  return {};
+}
 
 Result<vtkSmartPointer<vtkXMLDataElement>> readVtkXml(const std::filesystem::path& path) {
   VOLUTE_TRY(checkEnd(path));

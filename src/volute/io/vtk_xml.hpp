@@ -6,6 +6,8 @@
 #include <vtkXMLDataElement.h>
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "volute/base/result.hpp"
 
@@ -18,5 +20,17 @@ namespace volute {
 /// none pass: other programs add their own. For the VTK plug-in alone, in the child process.
 [[nodiscard]] Result<vtkSmartPointer<vtkXMLDataElement>> readVtkXml(
     const std::filesystem::path& path);
+
+/// An array that pieces with cells (or points) lack: VTK leaves its values there as it finds them
+/// in memory.
+struct PartialArray {
+  std::string name{};
+  bool ofCells = false;
+  int pieces = 0;  ///< that have it
+  int all = 0;     ///< that should
+};
+
+/// Those of an image or a mesh, whichever piece has them.
+[[nodiscard]] std::vector<PartialArray> partialArrays(vtkXMLDataElement& root);
 
 }  // namespace volute
