@@ -17,25 +17,30 @@ namespace volute {
 
 namespace {
 
-/// Whether two cameras see a frame by the same bytes; nothing where either has no picture of it.
-std::optional<bool> samePicture(const PictureSource& a, const PictureSource& b, int frame) {
+/// What two cameras' pictures of a frame have in common.
+enum class Alike { kNothing, kBytes, kFile };
+
+/// Nothing where either has no picture of it.
+std::optional<Alike> alikeAt(const PictureSource& a, const PictureSource& b, int frame) {
   const PicturePlace first = a.placeOf(frame), second = b.placeOf(frame);
   const bool sameNumber = first.number == second.number && first.share == second.share;
   if (!a.video.empty() || !b.video.empty())
-    return a.video == b.video && sameNumber;
+    return a.video == b.video && sameNumber ? Alike::kFile : Alike::kNothing;
   if (!a.isThere(first.number) || !b.isThere(second.number))
     return std::nullopt;
   const auto one = a.fileOf(first.number), other = b.fileOf(second.number);
   std::error_code error;
   if (std::filesystem::file_size(one, error) != std::filesystem::file_size(other, error))
-    return false;
+    return Alike::kNothing;
   if (!(a.pages == 1 && b.pages == 1) && first.number != second.number)
-    return false;
+    return Alike::kNothing;
   if (std::filesystem::equivalent(one, other, error))
-    return true;
+    return Alike::kFile;
   std::ifstream bytes(one, std::ios::binary), otherBytes(other, std::ios::binary);
   using Bytes = std::istreambuf_iterator<char>;
-  return bytes && otherBytes && std::equal(Bytes(bytes), Bytes(), Bytes(otherBytes), Bytes());
+  return bytes && otherBytes && std::equal(Bytes(bytes), Bytes(), Bytes(otherBytes), Bytes())
+             ? Alike::kBytes
+             : Alike::kNothing;
 }
 
 /// Whether a picture has one value all over, as darkness has.
@@ -93,32 +98,44 @@ std::vector<std::vector<std::size_t>> alike(const Capture& capture) {
   return others;
 }
 
-/// Two cameras in different places do not see the same, all the time, but nothing.
-std::vector<std::string> picturesOfOthers(const Capture& capture, std::uint64_t maxMemory) {
+/// Two cameras in different places do not see the same, all the time, but nothing; of what is
+/// symmetric they may have equal pictures, but not one file.
+struct PicturesOfOthers {
   std::vector<std::string> faults;
+  std::vector<std::pair<std::string, std::string>> copies;  // names of cameras
+};
+
+PicturesOfOthers picturesOfOthers(const Capture& capture, std::uint64_t maxMemory) {
+  PicturesOfOthers found;
   const auto others = alike(capture);
   for (std::size_t i = 0; i < capture.cameras.size(); ++i) {
     for (const std::size_t j : others[i]) {
       const CaptureCamera &camera = capture.cameras[i], &other = capture.cameras[j];
-      std::size_t same = 0;
+      std::size_t files = 0, same = 0;
       const bool differ = std::ranges::any_of(capture.frames, [&](int frame) {
-        const auto is = samePicture(camera.pictures, other.pictures, frame);
-        same += is.value_or(false) ? 1 : 0;
-        return is == false;
+        const auto is = alikeAt(camera.pictures, other.pictures, frame);
+        files += is == Alike::kFile ? 1 : 0;
+        same += is && is != Alike::kNothing ? 1 : 0;
+        return is == Alike::kNothing;
       });
       if (differ || same == 0)
         continue;
       if (std::ranges::all_of(capture.frames,
                               [&](int frame) { return isEven(camera.pictures, frame, maxMemory); }))
         continue;
-      faults.push_back(fmt::format(
-          "cameras {} and {} have the same picture{}, byte for byte; expected "
-          "different ones, as they look from different places",
-          other.name, camera.name, capture.frames.size() == 1 ? "" : "s at all frames"));
+      if (files == 0) {
+        found.copies.emplace_back(other.name, camera.name);
+        break;
+      }
+      const bool one = capture.frames.size() == 1;
+      found.faults.push_back(
+          fmt::format("cameras {} and {} take their picture{} from the same file{}; expected "
+                      "different ones, as they look from different places",
+                      other.name, camera.name, one ? "" : "s", one ? "" : "s at all frames"));
       break;
     }
   }
-  return faults;
+  return found;
 }
 
 }  // namespace
@@ -157,11 +174,23 @@ Status checkCapture(const Capture& capture, const std::vector<std::string>& held
                     fitted, fitted == 1 ? "" : "s", fitted == 1 ? "is" : "are", kFewest));
   }
   for (const GeometryFault& fault : checkGeometry(capture)) faults.push_back(fault.message);
-  std::ranges::move(picturesOfOthers(capture, maxMemory), std::back_inserter(faults));
+  PicturesOfOthers pictures = picturesOfOthers(capture, maxMemory);
+  std::ranges::move(pictures.faults, std::back_inserter(faults));
   if (!faults.empty() && !force)
     return fail(ErrorCode::kInvalidData, Hint::set("force").so("goes on"), "{}: {}",
                 capture.file.string(), faults.front());
   for (const auto& fault : faults) progress.remark({RemarkCode::kDoubtful, "warning: " + fault});
+  if (!pictures.copies.empty()) {
+    const auto& [one, other] = pictures.copies.front();
+    const std::size_t more = pictures.copies.size() - 1;
+    progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format(
+             "warning: cameras {} and {} have equal pictures{}{}: is one a copy, or "
+             "what they see symmetric?",
+             one, other, capture.frames.size() == 1 ? "" : " at all frames",
+             more == 0 ? "" : fmt::format(", and {} more pair{}", more, more == 1 ? "" : "s"))});
+  }
   if (fitted == 0)
     return fail(ErrorCode::kInvalidArgument, "no camera is left to reconstruct from");
   VOLUTE_ASSIGN(const auto missing, checkPicturesThere(capture, force, maxMemory));
