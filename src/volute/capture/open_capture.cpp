@@ -211,9 +211,11 @@ Result<std::vector<int>> framesOfFiles(const std::filesystem::path& file, Captur
   for (std::size_t i = 0; i < own.size(); ++i) {
     const bool alone =
         !own[i].empty() && std::ranges::all_of(own[i], [&](int frame) { return seen[frame] == 1; });
+    if (!alone)
+      continue;  // before all others are gone through
     const auto other = std::ranges::find_if(
         own, [&](const std::vector<int>& frames) { return !frames.empty() && frames != own[i]; });
-    if (!alone || other == own.end())
+    if (other == own.end())
       continue;
     const CameraDraft& camera = draft.cameras[i];
     const int by = own[i].front() - other->front();
@@ -241,7 +243,7 @@ class SharedRemarks {
  public:
   void add(const std::string& camera, RemarkCode code, const std::string& sentence) {
     auto& names = names_[{sentence, code}];
-    if (std::ranges::find(names, camera) == names.end())
+    if (names.empty() || names.back() != camera)  // cameras come one after the other
       names.push_back(camera);
   }
 
