@@ -474,6 +474,19 @@ class Package(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "frame 2 has values that are not finite and not masked.*masked_invalid"):
                 volute.compress(given, self.path / "infinite.volute")
         self.assertFalse((self.path / "infinite.volute").exists())
+        for target in ({"max_error": 1e-3}, {"psnr": 60}):
+            plain = volute.compress(masked.filled(0), self.path / "plain.volute", **target).open().masked(1)
+            np.testing.assert_array_equal(np.ma.getmaskarray(plain), masked[1].filled(0) == 0 if "max_error" in target else False)
+        # A voxel is there, or is not.
+        colours, parts = np.ones((2, 4, 4, 4, 3), np.float32), np.zeros((2, 4, 4, 4, 3), bool)
+        parts[1, :2, ..., 0] = True
+        red = np.ma.masked_array(colours, mask=parts)
+        for call in (lambda: volute.compress(red, self.path / "red.volute"), lambda: volute.compress(iter(red), self.path / "red.volute"),
+                     lambda: volute.picture(red, size=(8, 8))):
+            with self.assertRaisesRegex(ValueError, "(the array|frame 1): 32 voxels are masked in some of their channels alone"):
+                call()
+        parts[...] = parts.any(axis=-1, keepdims=True)
+        self.assertEqual(np.ma.count_masked(volute.compress(np.ma.masked_array(colours, mask=parts), self.path / "red.volute").open().masked(1)), 96)
         # What is not there is not seen.
         np.testing.assert_array_equal(volute.picture(masked, size=(40, 30)), volute.picture(masked.filled(0), size=(40, 30)))
         scene = {"format": "volute-scene-1", "media": [{"kind": "volume", "file": masked}]}
@@ -1128,6 +1141,21 @@ print("done", flush=True)
         scene.close()
         with self.assertRaisesRegex(ValueError, "closed"):
             scene.touch()
+        # Masks, and values that are left out, may change with the others: they are no copies that stay.
+        for masked in (np.ma.masked_array(array), np.ma.masked_array(array, mask=np.zeros(array.shape, bool)), np.ma.masked_less(array, 1e-3)):
+            scene = volute.Scene(masked, **options)
+            masked[:, :6] = np.ma.masked
+            masked.data[:, 8:] *= 2
+            self.assertTrue((scene.picture(size=(16, 12)) != volute.picture(masked, size=(16, 12), **options)).any())
+            scene.touch()
+            np.testing.assert_array_equal(scene.picture(size=(16, 12)), volute.picture(masked, size=(16, 12), **options))
+        wild = array.copy()
+        for number in (1.0, np.nan):
+            wild[0, 6, 6, 6] = number
+            scene = volute.Scene({"format": "volute-scene-2", "media": [{"kind": "volume", "file": wild, "not_finite": "background", "name": "a", **options}]})
+            wild[0, 4, 4, 4], wild[:, 6:] = np.nan, 0.5
+            scene.touch("a")
+            np.testing.assert_array_equal(scene.render(size=(16, 12)), volute.Scene(wild, not_finite="background", **options).render(size=(16, 12)))
         # Of several, the one that is named alone.
         asked = []
 

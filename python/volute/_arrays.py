@@ -153,6 +153,19 @@ def _apart(values):
     return (np.asarray(values.data), np.ma.getmaskarray(values)) if masked else (np.asarray(values), None)
 
 
+def _refuse_parts(mask, what):
+    """A voxel is there with all of its channels, or not. mask: shape (.., z, y, x, c)"""
+    parts = sum(int((voxels.any(axis=-1) != voxels.all(axis=-1)).sum()) for voxels in mask)
+    if parts:
+        raise ValueError(f"{what}: {parts} voxels are masked in some of their channels alone; a voxel is there or is not: mask all of its channels, or "
+                         "fill them first: array.filled(0)")
+
+
+class _Shown(np.ndarray):
+    """Frames of an array for scenes. fresh(): those of now, of one that is masked, or has values that are not finite; None: they are its own."""
+    fresh = None
+
+
 class _Masked:
     """The frames of a masked array (t, z, y, x, c) as floating-point numbers, NaN where they are masked."""
 
@@ -338,6 +351,8 @@ def _spool(values, folder, masked, refuses):
     with tempfile.TemporaryFile(dir=folder) as file:
         for frame in _pieces(values):
             frame, mask = _apart(frame)
+            if mask is not None and mask.ndim == 4:
+                _refuse_parts(mask, f"frame {count}")
             frame, before = reals(frame if mask is None else np.where(mask, 0, frame), f"frame {count}")
             if frame.ndim not in (3, 4):
                 raise ValueError(f"frame {count} has shape {frame.shape}; expected (z, y, x) or (z, y, x, c)")
@@ -433,6 +448,18 @@ def _without(array, not_finite):
     return np.where(np.isfinite(array), array, array.dtype.type(0))
 
 
+def _shown(values, shape, not_finite):
+    """Its frames, with 0 in place of what is masked, and of what is not finite where that is asked for."""
+    array, mask = _apart(values)
+    reals(array[:0])  # says what is wrong with its type
+    if mask is not None:
+        _refuse_parts(mask.reshape(shape), "the array")
+        array = np.where(mask, 0, array)
+    shown = reals(_without(array, not_finite))[0].reshape(shape).view(_Shown)
+    shown.fresh = lambda: _shown(values, shape, not_finite)
+    return shown
+
+
 def volume(values, given, folder, lazily=False, not_finite="refuse"):
     """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
     each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily, for
@@ -475,15 +502,17 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             said["masked"] = masks and not lazily
         else:
             shape = five_axes(array.shape)
-            array, mask = _apart(array)
-            if mask is not None and lazily:
-                array, mask = np.where(mask, 0, array), None
-            if mask is None and (lazily or not_finite == "background"):
-                array = _without(array, not_finite)
-            array, rounding = (array, 0.0) if mask is not None else reals(array)
-        frames = array.reshape(shape)
+            if lazily and (isinstance(array, np.ma.MaskedArray) or not_finite != "refuse"):
+                array, mask, rounding = _shown(array, shape, not_finite), None, 0.0
+            else:
+                array, mask = _apart(array)
+                if mask is None and not_finite == "background":
+                    array = _without(array, not_finite)
+                array, rounding = (array, 0.0) if mask is not None else reals(array)
+        frames = array if isinstance(array, _Shown) else array.reshape(shape)
         if mask is not None:
             reals(array[:0])  # says what is wrong with its type
+            _refuse_parts(mask.reshape(shape), "the array")
             frames = _Masked(frames, mask.reshape(shape), refuses)
             said["masked"], said["doubles"] = True, frames.kind is np.float64
     said.update((key, value) for key, value in given.items() if value is not None)

@@ -168,6 +168,12 @@ def _maker_of(volumes, source, folder, members):
     return "open", (file, _text(members))
 
 
+def _fresh(frames):
+    """Of an array, as it is now."""
+    again = getattr(frames, "fresh", None)
+    return again() if again else frames
+
+
 def _made(kind, source, options):
     return kind(source, **options)
 
@@ -306,6 +312,7 @@ class Scene:
         """Reads anew: for arrays whose values have changed in their place, and functions that give others. name: of the one that has
         changed, as it was given with `name`, or as scene.json has it ("memory:0"); None: all."""
         self._scene.path  # says that it is closed
+        self._added = [(at, _fresh(frames), shape, said) for at, frames, shape, said in self._added]
         if name is not None:
             known = {f"memory:{at}": said["name"] or "density" for at, _, _, said in self._added if said}
             changed = [file for file, own in known.items() if name in (file, own)]

@@ -370,7 +370,8 @@ class Volume(Frames):
 
     def masked(self, frame):
         """A frame, shape (z, y, x[, c]), as a masked array of NumPy's: masked where the file has inactive voxels, which are 0 (or the
-        background) in v[frame]. Nothing is masked in files that do not keep which voxels are active."""
+        background) in v[frame]. Of an array without a mask these are the voxels that were 0; there are none in files that do not keep which
+        voxels are active, made with psnr or rms_over="all"."""
         index = int(frame)
         index += len(self) * (index < 0)
         values = self[index]
