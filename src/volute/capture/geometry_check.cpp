@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -75,24 +76,32 @@ std::optional<std::string> otherResolution(const Camera& camera) {
       camera.width(), camera.height());
 }
 
-/// A principal point in the corner of the picture: not filled in, or counted from the middle. Each
-/// coordinate by itself only where it is 0 to the digit.
+/// A principal point in a corner of the picture: not filled in, counted from the middle, or of
+/// another picture. Each coordinate by itself only where it is that of a border to the digit.
 std::optional<std::string> inTheCorner(const Camera& camera) {
   constexpr double kNear = 0.05, kRounding = 1e-6;
   const Vec2 point = camera.principalPoint();
-  const auto isZero = [](double value) {  // in either convention of pixel centres
-    return std::abs(value) < kRounding || std::abs(value - 0.5) < kRounding;
+  const Vec2 size(camera.width(), camera.height());
+  const auto isBorder = [](double off) {  // in either convention of pixel centres
+    return std::abs(off) < kRounding || std::abs(off - 0.5) < kRounding;
   };
-  const bool corner =
-      std::abs(point.x()) < kNear * camera.width() && std::abs(point.y()) < kNear * camera.height();
-  if (!corner && !isZero(point.x()) && !isZero(point.y()))
-    return std::nullopt;
+  std::array<bool, 2> near{}, at{}, far{};
+  for (int axis = 0; axis < 2; ++axis) {
+    const double off = size[axis] - point[axis];
+    far[axis] = std::abs(off) < std::abs(point[axis]);
+    near[axis] = std::min(std::abs(point[axis]), std::abs(off)) < kNear * size[axis];
+    at[axis] = isBorder(point[axis]) || isBorder(off);
+  }
+  const bool corner = near[0] && near[1];
+  if ((!corner && !at[0] && !at[1]) || (corner && far[0] && far[1]))
+    return std::nullopt;  // the last is the middle of a larger picture
+  const bool beyond = (near[0] && far[0]) || (near[1] && far[1]);
   return fmt::format(
       "the principal point ({:.1f}, {:.1f}) lies at the {} of the picture of {} x {} pixels; it is "
-      "about the middle, ({:.1f}, {:.1f}), for most cameras: was it left out, or counted from the "
-      "middle?",
+      "about the middle, ({:.1f}, {:.1f}), for most cameras: {}",
       point.x(), point.y(), corner ? "corner" : "border", camera.width(), camera.height(),
-      0.5 * camera.width(), 0.5 * camera.height());
+      0.5 * size.x(), 0.5 * size.y(),
+      beyond ? "is it that of a larger picture?" : "was it left out, or counted from the middle?");
 }
 
 std::optional<std::string> faultOf(const Camera& camera, const Box3& bounds) {

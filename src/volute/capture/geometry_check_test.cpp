@@ -69,7 +69,12 @@ TEST(GeometryCheck, PrincipalPointsInTheCorner) {
       "is about the middle, (12.0, 8.0)");
   expectFault(at(0.9, -0.5), "b", "at the corner");
   expectFault(at(12, 0), "b", "the principal point (12.0, 0.0) lies at the border");
+  expectFault(at(24, 8), "b", "lies at the border");
+  expectFault(at(12, 15.5), "b", "for most cameras: is it that of a larger picture?");
+  expectFault(at(23.9, 0.2), "b", "at the corner");
+  expectFault(at(24, 16), "b", "is the middle of about 48 x 32 pixels");
   EXPECT_TRUE(faultsWith(at(11, 9.5)).empty());
+  EXPECT_TRUE(faultsWith(at(23, 8)).empty());
 }
 
 TEST(GeometryCheck, CalibrationsOfAnotherResolution) {
