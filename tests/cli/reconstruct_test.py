@@ -171,6 +171,21 @@ class Reconstruct(ring.TestCase):
         second = both[len(both) // 2:]
         self.assertGreater(relative(second[0::3], second[2::3]), 0.2)
 
+    def test_a_grey_camera_among_others_is_fitted_to_the_mean_of_their_colours(self):
+        residuals = []
+        for channels, told in ((1, "one channel, while others have three"), (3, "three equal channels, while others see colours")):
+            for name in ring.NAMES:
+                picture = read_exr(self.path(f"{name}_0010.exr"))
+                if name == "c2":
+                    mean = [sum(picture.values[i:i + 3]) / 3 for i in range(0, len(picture.values), 3)]
+                    picture = Picture(ring.WIDTH, ring.HEIGHT, channels, [value for value in mean for _ in range(channels)])
+                write_exr(self.path(f"m_{name}_0010.exr"), picture)
+            result = self.reconstruct("--frames", "10", "--json", "--images", self.path("m_{camera}_%04d.exr"))
+            self.assertIn(f"camera c2, frame 10: {told}: it is taken as the mean of theirs", result.message)
+            self.assertNotIn("does not fit", result.message)
+            residuals.append(result.json["residual"])
+        self.assertAlmostEqual(*residuals, delta=1e-3)
+
     def test_standard_output(self):
         self.reconstruct("--frames", "10")
         result = self.works("reconstruct", self.path("capture.json"), "-o", "-", "--iterations", 25, "--regularization",

@@ -8,6 +8,27 @@
 
 namespace volute {
 
+namespace {
+
+enum class Colours { kUnknown, kNone, kSome };
+
+/// What the three channels of a picture that has them show. Some pixels may be white, or dark.
+Colours coloursOf(const TomographyView& view) {
+  constexpr std::size_t kFewest = 16;
+  std::size_t grey = 0;
+  const std::span<const float> light = view.radiance.pixels;
+  for (std::size_t i = 0; i + 2 < light.size(); i += 3) {
+    if (!view.counts(i / 3) || view.isSaturated(i / 3))
+      continue;
+    if (light[i] != light[i + 1] || light[i] != light[i + 2])
+      return Colours::kSome;
+    grey += light[i] != 0 ? 1 : 0;
+  }
+  return grey < kFewest ? Colours::kUnknown : Colours::kNone;
+}
+
+}  // namespace
+
 std::vector<TomographyView> FrameViews::fittedWithout(std::size_t view) const {
   std::vector<TomographyView> others;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -101,8 +122,13 @@ Result<FrameViews> ViewReader::read(int frame) {
     return tl::unexpected<Error>(*first);
   // Of cameras that all are grey the channels are one.
   const bool allGrey = result.grey();
+  std::vector<Colours> colours;
+  for (std::size_t i = 0; i < result.views.size(); ++i)
+    colours.push_back(result.facts[i].grey ? Colours::kUnknown : coloursOf(result.views[i]));
+  const bool anyColour = std::ranges::find(colours, Colours::kSome) != colours.end();
   for (std::size_t i = 0; i < result.views.size(); ++i) {
-    greyAmongColours_[i] = !allGrey && result.facts[i].grey ? 1 : 0;
+    const bool storedInColour = anyColour && colours[i] == Colours::kNone;
+    greyAmongColours_[i] = storedInColour || (!allGrey && result.facts[i].grey) ? 1 : 0;
     result.views[i].grey = greyAmongColours_[i] != 0;
   }
   if (std::ranges::find(heldOut_, 1) != heldOut_.end())

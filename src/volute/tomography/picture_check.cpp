@@ -122,8 +122,10 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
   }
   if (grey) {
     warnings.add(
-        "one channel, while others have three: it is taken as the mean of theirs; state its "
-        "\"gain\" where it sees colours otherwise",
+        fmt::format("{}: it is taken as the mean of theirs; state its \"gain\" where it sees "
+                    "colours otherwise",
+                    facts.grey ? "one channel, while others have three"
+                               : "three equal channels, while others see colours"),
         camera);
   }
 }
