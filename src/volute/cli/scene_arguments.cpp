@@ -154,9 +154,13 @@ Result<GlSmokeMethod> smokeMethodOf(const Arguments& arguments, bool gl) {
 }
 
 Status takeCamera(const Arguments& arguments, RenderRequest& request) {
-  const ViewParts parts{arguments.find<Vec3>("eye"), arguments.find<Vec3>("target"),
-                        arguments.find<Vec3>("up"), arguments.find<double>("fov"),
-                        arguments.find<double>("ortho")};
+  ViewParts parts{arguments.find<Vec3>("eye"),
+                  arguments.find<Vec3>("target"),
+                  {},
+                  arguments.find<double>("fov"),
+                  arguments.find<double>("ortho")};
+  if (arguments.given("up"))  // it has a default
+    parts.up = arguments.find<Vec3>("up");
   if (const auto file = arguments.find<std::string>("camera")) {
     if (parts.any())
       return fail(

@@ -286,10 +286,10 @@ void Compressor::settleRange() {
   if (options_.target.kind == Kind::kLook && parameters_.offset == 0)
     bend(std::max(std::abs(support_.low), std::abs(support_.high)));
   // What is the same all over is as good as exact, however much there is of it.
-  constexpr double kMostDilution = 256;
+  constexpr double kMaxDilution = 256;
   const auto varied = static_cast<double>(histogram_.varied(support_.high - support_.low));
   if (overSupport && varied > 0)
-    dilution_ = std::clamp(std::sqrt(supportVoxels_ * info_.channels / varied), 1.0, kMostDilution);
+    dilution_ = std::clamp(std::sqrt(supportVoxels_ * info_.channels / varied), 1.0, kMaxDilution);
   const double spread = overSupport ? supportVoxels_ / (dilution_ * dilution_) : voxels;
   const double own = std::max(std::abs(support_.low), std::abs(support_.high));
   goal_.setRange(overSupport ? support_.low : least, overSupport ? support_.high : most, greatest,

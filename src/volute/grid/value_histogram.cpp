@@ -46,7 +46,7 @@ double ValueHistogram::deviationIn(std::uint32_t bin) const {
 /// one value or two, far from the others, which vary.
 std::optional<std::pair<std::uint64_t, std::uint64_t>> ValueHistogram::standIns() const {
   constexpr double kGap = 8;
-  constexpr std::size_t kMost = 2, kVaried = 16;
+  constexpr std::size_t kMaxEach = 2, kVaried = 16;
   std::vector<std::uint32_t> bins;
   for (std::uint32_t bin = 0; bin < kBins; ++bin) {
     if (counts_[bin] > 0)
@@ -55,8 +55,8 @@ std::optional<std::pair<std::uint64_t, std::uint64_t>> ValueHistogram::standIns(
   if (bins.size() < kVaried + 1)
     return std::nullopt;
   std::size_t lowest = 0, highest = 0;  // that are of one value
-  while (lowest < kMost && isOneValue(bins[lowest])) ++lowest;
-  while (highest < kMost && isOneValue(bins[bins.size() - 1 - highest])) ++highest;
+  while (lowest < kMaxEach && isOneValue(bins[lowest])) ++lowest;
+  while (highest < kMaxEach && isOneValue(bins[bins.size() - 1 - highest])) ++highest;
   const auto edge = [](std::uint32_t bin) { return static_cast<double>(leastOf(bin)); };
   for (std::size_t all = lowest + highest; all > 0; --all) {
     for (std::size_t low = 0; low <= std::min(all, lowest); ++low) {
