@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -31,6 +32,7 @@ enum LineColumn : std::size_t {
   kDz,  // a point and a direction
   kDepth,
   kTransmittance,
+  kDensity,
   kValue,
   kSigma,
   kFrame,
@@ -44,6 +46,7 @@ std::vector<TableColumn> lineColumns() {
   for (const std::string_view name : {"dx", "dy", "dz"}) columns.push_back({name, "m"});
   columns.insert(columns.end(), {{"optical_depth"},
                                  {"transmittance", "1", {"transmission"}},
+                                 {"optical_density", "", {"absorbance"}},
                                  {"value"},
                                  {"sigma"},
                                  {"frame"},
@@ -91,7 +94,7 @@ Status LineReader::checkNames() {
                 file_);
   }
   int quantities = 0;
-  for (const LineColumn column : {kDepth, kTransmittance, kValue}) {
+  for (const LineColumn column : {kDepth, kTransmittance, kDensity, kValue}) {
     if (!table_.has(column))
       continue;
     quantity_ = column;
@@ -99,7 +102,8 @@ Status LineReader::checkNames() {
   }
   if (quantities != 1) {
     return fail(ErrorCode::kInvalidData,
-                "{}: expected one column of optical_depth, transmittance and value; there are {}",
+                "{}: expected one column of optical_depth, transmittance, optical_density and "
+                "value; there are {}",
                 file_, quantities);
   }
   if (table_.has(kFrame) && table_.has(kTime))
@@ -134,6 +138,8 @@ Status LineReader::readValue(LineMeasurement& one) const {
       return fail(ErrorCode::kInvalidData, "{}: sigma is {}; expected more than 0", table_.where(),
                   one.sigma);
   }
+  if (quantity_ == kDensity)  // a logarithm to base 10
+    one.value *= std::numbers::ln10, one.sigma *= std::numbers::ln10;
   if (quantity_ != kTransmittance)
     return {};
   if (lines_.hasSigma)

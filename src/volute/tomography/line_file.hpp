@@ -42,8 +42,8 @@ struct LineFile {
 /// ("time [ms]") or in a row below:
 /// - x0, y0, z0, x1, y1, z1: both ends [m]; or x, y, z, dx, dy, dz: a point and a direction of any
 ///   length, in which the line goes on without an end;
-/// - optical_depth, transmittance (of which the depth is -ln; at most 1.2, or in %), or value: any
-///   other integral;
+/// - optical_depth, transmittance (of which the depth is -ln; at most 1.2, or in %),
+///   optical_density or absorbance (-log10 of it), or value: any other integral;
 /// - sigma, if known: the standard deviation of that column, in its unit;
 /// - frame (whole numbers from 0 on) or time [s], where there are several.
 /// Rows that are empty or begin with # do not count. Errors name the file, the line and the column;

@@ -265,6 +265,14 @@ TEST_F(LineFileTest, ReadsUnitsAndRefusesWhatMeansSomethingElse) {
   EXPECT_EQ(lines->frames[0].time, 0.25);
   EXPECT_THAT(lines->remarks, ::testing::IsEmpty());
   const std::string head = "x0,y0,z0,x1,y1,z1,";
+  for (const char* name : {"optical_density", "Absorbance"}) {
+    const auto tens = read(head + name + ",sigma\n0,0,0,1,1,1,2,0.1\n");
+    ASSERT_TRUE(tens) << tens.error().message;
+    EXPECT_TRUE(tens->opticalDepths);
+    EXPECT_NEAR(tens->frames[0].lines.at(0).value, std::log(100), 1e-12);
+    EXPECT_NEAR(tens->frames[0].lines.at(0).sigma, 0.1 * std::log(10), 1e-12);
+  }
+  EXPECT_THAT(refusal(head + "optical_density [1/m]\n0,0,0,1,1,1,2\n"), HasSubstr("1/m"));
   const auto fractions = read(head + "transmittance [%]\n0,0,0,1,1,1,0.8\n0,0,0,1,1,2,0.9\n");
   ASSERT_TRUE(fractions);
   EXPECT_THAT(fractions->remarks, Contains(HasSubstr("at most 1.2 percent: are they fractions?")));
