@@ -417,6 +417,10 @@ TEST_F(Importers, NerfPositionsThatToolsMovedAreRemarkedOn) {
               ElementsAre(HasSubstr("NeRF"), HasSubstr("scaled by 0.25 from what was measured"),
                           HasSubstr("turned or moved"), HasSubstr("are not applied"),
                           HasSubstr("25 frames a second")));
+  json["scale"] = 1.0, json["offset"] = {0, 0, 0.0};  // of which nothing changes
+  writeText(folder / "transforms.json", json.dump());
+  EXPECT_THAT(sentences(openCapture(folder / "transforms.json", options).value().remarks),
+              Not(Contains(HasSubstr("are not applied"))));
   json["applied_scale"] = 0;
   writeText(folder / "transforms.json", json.dump());
   EXPECT_TRUE(failsWith(openCapture(folder / "transforms.json", options), "applied_scale: is 0"));

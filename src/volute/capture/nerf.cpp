@@ -236,7 +236,9 @@ Status remarkFrameOfReference(const JsonValue& root, CaptureDraft& draft) {
           "are "
           "in the turned axes");
   }
-  if (root.find("scale") || root.find("offset")) {
+  const auto scale = root.find("scale"), offset = root.find("offset");
+  if ((scale && scale->json() != 1) ||
+      (offset && offset->json() != nlohmann::json::array({0, 0, 0}))) {
     draft.remarks.emplace_back(
         RemarkCode::kLeftOut,
         "\"scale\" and \"offset\" place the cameras in a viewer's cube and are not applied; bounds "
