@@ -13,6 +13,8 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/lower_case.hpp"
 #include "volute/base/suggest.hpp"
+#include "volute/io/foam_files.hpp"
+#include "volute/media/smoke/smoke_words.hpp"
 #include "volute/media/smoke/tet_sight.hpp"
 
 namespace volute {
@@ -160,6 +162,51 @@ class MeshPoints final : public PointField {
   std::map<std::size_t, std::shared_ptr<const TetSightSnapshot>> kept_;  // two at most
 };
 
+/// What OpenFOAM states of a field, at the first time that has it.
+std::optional<FoamDimensions> dimensionsOf(const MeshSource& mesh, const std::string& field) {
+  if (extensionOf(mesh.path()) != ".foam")
+    return std::nullopt;
+  for (const double time : mesh.times()) {
+    if (const auto stated = foamDimensions(mesh.path(), field, time))
+      return stated;
+  }
+  return std::nullopt;
+}
+
+/// The unit of a field of which nobody said it, and whose dimensions are the quantity's, or none.
+Result<std::string> unitOf(const MeshSource& mesh, const UsualField& usual,
+                           const MeshFieldSummary& field) {
+  constexpr double kKelvin = 150;  // no air is as cold, nor as hot everywhere
+  constexpr FoamDimensions kNone{};
+  const bool heat = usual.quantity == "temperature", flux = usual.quantity == "radiant-flux";
+  const auto stated = dimensionsOf(mesh, field.name);
+  const bool says = stated && *stated != kNone;
+  if (heat && says && field.least < kKelvin) {
+    return fail(ErrorCode::kInvalidData, Hint::set("air_fields"),
+                "{}: field '{}' is {:g} and more, and the file states K; state its unit, as "
+                "temperature={}:C",
+                mesh.path().string(), field.name, field.least, field.name);
+  }
+  if (heat)
+    return std::string(says || field.least >= kKelvin ? "K" : "C");
+  if (flux)
+    return std::string(says ? "W/m2" : "kW/m2");
+  return std::string(extensionOf(mesh.path()) == ".foam" ? "kg/kg" : "mol/mol");
+}
+
+Status checkDimensions(const MeshSource& mesh, const UsualField& usual, const std::string& field) {
+  constexpr FoamDimensions kNone{}, kHeat{0, 0, 0, 1}, kFlux{1, 0, -3};
+  const FoamDimensions& expected = usual.quantity == "temperature"    ? kHeat
+                                   : usual.quantity == "radiant-flux" ? kFlux
+                                                                      : kNone;
+  const auto stated = dimensionsOf(mesh, field);
+  if (!stated || *stated == kNone || *stated == expected)
+    return {};
+  return fail(ErrorCode::kInvalidData, Hint::set("air_fields"),
+              "{}: field '{}': the file states {}, and {} has {}", mesh.path().string(), field,
+              textOfDimensions(*stated), usual.quantity, textOfDimensions(expected));
+}
+
 /// A scalar that is not there at the first time of a case, but later.
 template <class Wanted>
 std::optional<MeshFieldSummary> laterField(const MeshSource& mesh, const MeshFieldNames& later,
@@ -245,13 +292,9 @@ Result<std::unique_ptr<PointField>> meshConditions(
   }
   one.field = summary->name;
   one.unit = said != named.end() ? said->unit : "";
+  VOLUTE_TRY(checkDimensions(mesh, *usual, one.field));
   if (one.unit.empty()) {
-    constexpr double kKelvin = 150;  // no air is as cold, nor as hot everywhere
-    const bool foam = extensionOf(mesh.path()) == ".foam";
-    one.unit = quantity == "temperature"    ? (summary->least >= kKelvin ? "K" : "C")
-               : quantity == "radiant-flux" ? "kW/m2"
-               : foam                       ? "kg/kg"
-                                            : "mol/mol";
+    VOLUTE_ASSIGN(one.unit, unitOf(mesh, *usual, *summary));
   }
   const bool ofGas = isOfGas(*usual);
   VOLUTE_ASSIGN(auto source,

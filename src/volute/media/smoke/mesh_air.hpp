@@ -31,7 +31,8 @@ using MeshFieldNames = std::vector<std::vector<std::string>>;
 /// the field that `named` says, else one with a usual name (T, O2, CO2, CO and so on). A
 /// temperature without a unit is in K where all of its values are at least 150, else in degrees C;
 /// gases are in mol/mol, those of OpenFOAM in kg/kg, which counts as in air of 28.96 g/mol.
-/// kNotFound where there is none.
+/// Dimensions that OpenFOAM states are the quantity's (or none), a temperature in K is not below
+/// 150, a flux in them is in W/m2. kNotFound where there is none.
 /// @param fields  the case's, at its first time
 /// @param later  gives the names of its fields at each time, as far as they are told without
 ///               reading; asked where the first time lacks the field

@@ -50,6 +50,20 @@ std::string doubtOfSize(const Box3& bounds) {
       size.x(), size.y(), size.z(), 1e-3 * size.x(), 1e-3 * size.y(), 1e-3 * size.z());
 }
 
+/// What the dimensions that a file states of the gas's density say against it; empty: nothing.
+Result<std::string> compareDensity(const SmokeDescription& description,
+                                   const std::array<double, 7>& stated) {
+  constexpr std::array<double, 7> kDensity{1, -3}, kNone{};
+  if (stated == kDensity)
+    return std::string();
+  const std::string field = fmt::format("field '{}'", description.densityField);
+  if (stated == kNone)
+    return field + ": the file states a number without dimensions; it is read as density [kg/m3]";
+  return fail(ErrorCode::kInvalidData, {Hint::set("density_field")},
+              "{}: {}: the file states {}, and the density of the gas has {}", description.file,
+              field, textOfDimensions(stated), textOfDimensions(kDensity));
+}
+
 std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
   std::vector<float> out(a.size());
   interpolateFields(a, b, share, out);
@@ -114,6 +128,11 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
                                     fmt::format("{}: field '{}'", description.file, frame.field)));
     if (!unit.empty())
       reading.progress.remark({RemarkCode::kDoubtful, unit});
+  }
+  if (stored->gasDimensions) {
+    VOLUTE_ASSIGN(const std::string unit, compareDensity(description, *stored->gasDimensions));
+    if (!unit.empty())
+      tell(RemarkCode::kDoubtful, unit);
   }
   if (description.field.empty() && !frame.others.empty()) {
     reading.progress.remark(Remark(RemarkCode::kAssumed,
@@ -368,6 +387,7 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
   if (files_->densitySource) {
     VOLUTE_ASSIGN(auto density, files_->densitySource->read(index));
     stored->gas = std::move(density.values);
+    stored->gasDimensions = density.dimensions;
   }
   for (const auto& other : held) {
     if (other->frame.mesh == frame.mesh)

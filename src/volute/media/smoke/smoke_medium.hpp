@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -211,7 +212,8 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
     std::shared_ptr<const LampPaths> paths;
     ContentHash meshHash;  ///< of what the light's key begins with
     MeshFrame frame;
-    std::vector<float> gas;  ///< its density; empty: not asked for
+    std::vector<float> gas;                                ///< its density; empty: not asked for
+    std::optional<std::array<double, 7>> gasDimensions{};  ///< that its file states
   };
 
   /// The files, and the last two steps of them.

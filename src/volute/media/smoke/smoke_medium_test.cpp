@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "volute/io/mesh_case_files.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/io/vtu_writer.hpp"
 #include "volute/media/medium_kind.hpp"
@@ -286,6 +287,63 @@ TEST_F(SmokeMediumTest, AnotherFieldIsAnotherReading) {
   other = smoke_;
   other.negatives = Negatives::kClamp;
   EXPECT_FALSE(SmokeMedium::readsTheSame(smoke_, other));
+}
+
+TEST_F(SmokeMediumTest, DimensionsOfOpenFoamCountForAllFields) {
+  using ::testing::HasSubstr;
+  testing::writeFoam(folder_.path());
+  const std::string soot = testing::readBytes(folder_ / "10" / "soot");
+  const auto put = [&](const std::string& field, const std::string& dimensions, double value) {
+    std::string text = soot;
+    const auto replace = [&](std::size_t begin, std::size_t end, const std::string& by) {
+      text.replace(begin, end - begin, by);
+    };
+    replace(text.find("object soot"), text.find(";\n}", text.find("object")), "object " + field);
+    replace(text.find("[1 -3"), text.find("]") + 1, "[" + dimensions + "]");
+    replace(text.find("nonuniform"), text.find("boundaryField"),
+            fmt::format("uniform {};\n", value));
+    for (const char* time : {"10", "20"}) testing::writeBytes(folder_ / time / field, text);
+  };
+  smoke_.file = (folder_ / "box.foam").string(), smoke_.field = "soot";
+  // The field, its dimensions, its value, and what is said of it.
+  const auto said = [&](const std::string& field, const std::string& dimensions, double value,
+                        const std::string& quantity, const std::string& air = "") {
+    put(field, dimensions, value);
+    smoke_.airFields = air;
+    const auto smoke = opened(smoke_);
+    EXPECT_TRUE(smoke) << smoke.error().message;
+    const auto sight = (*smoke)->sight(reading_);
+    EXPECT_TRUE(sight) << sight.error().message;
+    const auto points = (*sight)->conditions(quantity);
+    if (!points)
+      return points.error().message;
+    double found = 0;
+    const Vec3 place = (*smoke)->info().bounds.centre();
+    EXPECT_TRUE((*points)->at(10, std::span(&place, 1), std::span(&found, 1)));
+    return fmt::format("{:.4g}", found);
+  };
+  EXPECT_EQ(said("T", "0 0 0 1 0 0 0", 350, "temperature"), "76.85");
+  EXPECT_THAT(said("T", "0 0 1 0 0 0 0", 90, "temperature"),
+              HasSubstr("field 'T': the file states s, and temperature has K"));
+  EXPECT_THAT(said("T", "0 0 0 1 0 0 0", 20, "temperature"), HasSubstr("and the file states K"));
+  EXPECT_EQ(said("T", "0 0 0 1 0 0 0", 20, "temperature", "temperature=T:C"), "20");
+  EXPECT_EQ(said("T", "0 0 0 0 0 0 0", 20, "temperature"), "20");
+  EXPECT_EQ(said("O2", "0 0 0 0 0 0 0", 0.2, "oxygen").substr(0, 4), "0.18");
+  EXPECT_THAT(said("CO", "1 -3 0 0 0 0 0", 0.01, "carbon-monoxide"),
+              HasSubstr("the file states kg m^-3, and carbon-monoxide has no dimensions"));
+  EXPECT_EQ(said("radiant_flux", "1 0 -3 0 0 0 0", 2500, "radiant-flux"), "2.5");
+
+  smoke_.model.quantity = SmokeQuantity::kMassFraction;
+  smoke_.densityField = "rho";
+  put("soot", "0 0 0 0 0 0 0", 1e-4);
+  put("rho", "1 -3 0 0 0 0 0", 1.2);
+  const auto right = opened(smoke_);
+  EXPECT_TRUE(right) << right.error().message;
+  put("rho", "0 0 0 1 0 0 0", 300);
+  const auto wrong = opened(smoke_);
+  ASSERT_FALSE(wrong);
+  EXPECT_THAT(wrong.error().message,
+              HasSubstr("field 'rho': the file states K, and the density of the gas has kg m^-3"));
 }
 
 }  // namespace

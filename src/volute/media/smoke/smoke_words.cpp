@@ -93,18 +93,19 @@ std::string compareUnitInName(std::string_view field, const SmokeModel& model) {
       stated, factor, read, model.scale);
 }
 
+std::string textOfDimensions(const std::array<double, 7>& dimensions) {
+  static constexpr std::array<const char*, 7> kUnits = {"kg", "m", "s", "K", "mol", "A", "cd"};
+  std::string words;
+  for (std::size_t i = 0; i < dimensions.size(); ++i) {
+    if (dimensions[i] != 0)
+      words += fmt::format("{}{}{}", words.empty() ? "" : " ", kUnits[i],
+                           dimensions[i] == 1 ? "" : fmt::format("^{:g}", dimensions[i]));
+  }
+  return words.empty() ? "no dimensions" : words;
+}
+
 Result<std::string> compareDimensions(const std::array<double, 7>& stated, const SmokeModel& model,
                                       const std::string& where) {
-  static constexpr std::array<const char*, 7> kUnits = {"kg", "m", "s", "K", "mol", "A", "cd"};
-  const auto text = [](const std::array<double, 7>& dimensions) {
-    std::string words;
-    for (std::size_t i = 0; i < dimensions.size(); ++i) {
-      if (dimensions[i] != 0)
-        words += fmt::format("{}{}{}", words.empty() ? "" : " ", kUnits[i],
-                             dimensions[i] == 1 ? "" : fmt::format("^{:g}", dimensions[i]));
-    }
-    return words.empty() ? std::string("no dimensions") : words;
-  };
   std::array<double, 7> expected{};
   switch (model.quantity) {
     case SmokeQuantity::kSootDensity:
@@ -128,14 +129,14 @@ Result<std::string> compareDimensions(const std::array<double, 7>& stated, const
         model.unit == 1)
       return std::string();
     return fmt::format("{}: the file states {} (SI), and its values are read as {}", where,
-                       text(stated), unitOfField(model));
+                       textOfDimensions(stated), unitOfField(model));
   }
   if (stated == kNone)
     return fmt::format("{}: the file states a number without dimensions; it is read as {} [{}]",
                        where, nameOf(model.quantity), unitOfField(model));
   return fail(ErrorCode::kInvalidData,
               "{}: the file states {}, and {} has {}; choose the quantity that the field holds",
-              where, text(stated), nameOf(model.quantity), text(expected));
+              where, textOfDimensions(stated), nameOf(model.quantity), textOfDimensions(expected));
 }
 
 }  // namespace volute

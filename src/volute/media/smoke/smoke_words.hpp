@@ -34,6 +34,9 @@ std::vector<std::string> wordsOf(const SmokeModel& model);
 /// empty: nothing, or it names no unit.
 std::string compareUnitInName(std::string_view field, const SmokeModel& model);
 
+/// Powers of kg, m, s, K, mol, A and cd for people, "kg m^-3", or "no dimensions".
+std::string textOfDimensions(const std::array<double, 7>& dimensions);
+
 /// Compares the dimensions that a file states, powers of kg, m, s, K, mol, A and cd, with those of
 /// a field's quantity. An error where they are another quantity's, half a sentence where they say
 /// nothing (a number without dimensions) or the unit differs by a factor, empty where all is well.
