@@ -121,6 +121,22 @@ class Untrusted(support.TestCase):
             self.assertIn(f"names '{name}', outside of its folder; --untrusted refuses that", said)
         self.assertNotIn("outside of its folder", self.fails(1, "info", self.path("in/own.pvd"), "--untrusted"))
 
+    def test_names_in_inputs_of_fds(self):
+        self.path("in").mkdir()
+        hall = sight_cases.Mesh("hall", (0, 8, 0, 4, 0, 3), (8, 4, 3))
+        case = sight_cases.FdsCase([hall], [0.0, 10.0], lambda t, *_: 0.1 * t).write(self.path("in"), "hall")
+        with open(case, "a") as file:
+            file.write("INPF\n hall.fds\n")
+        self.path("optics.fds").write_text("&MISC VISIBILITY_FACTOR=5 /\n")
+        for name in ("../optics.fds", "..\\optics.fds", str(self.path("optics.fds"))):
+            self.path("in/hall.fds").write_text(f"&HEAD CHID='hall' /\n&CATF OTHER_FILES='{name}' /\n")
+            said = self.fails(1, "info", case, "--untrusted")
+            self.assertIn("outside of its folder; --untrusted refuses that", said)
+            self.assertIn("outside of its folder (--untrusted refuses that)", self.works("info", case).message)
+        self.path("optics.fds").rename(self.path("in/optics.fds"))
+        self.path("in/hall.fds").write_text("&HEAD CHID='hall' /\n&CATF OTHER_FILES='optics.fds' /\n")
+        self.works("info", case, "--untrusted")
+
     def test_captures(self):
         self.path("in").mkdir()
         self.path("secret_0000.exr").write_bytes(b"not for strangers")

@@ -7,9 +7,9 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "volute/base/namelist.hpp"
 #include "volute/base/result.hpp"
 
 // CHID.fds, the input of FDS that a case's index names: what the outputs do not say again.
@@ -17,24 +17,6 @@
 namespace volute {
 
 struct SmvIndex;
-
-/// "&GROUP KEY=value, ... /" of Fortran.
-struct FdsNamelist {
-  std::string group;  ///< in capitals
-  int line = 0;       ///< from 1, where it begins
-  /// By key in capitals, without indices: strings without quotes, repetitions written out.
-  std::map<std::string, std::vector<std::string>> values;
-
-  /// The first value of a key; empty without one.
-  std::string text(const std::string& key) const;
-  std::optional<double> number(const std::string& key) const;
-};
-
-/// All groups with one of these names, in order. What is between groups, after a slash, or after an
-/// exclamation mark is comment; a group that the file's end or the next one cuts off has what
-/// stands there.
-std::vector<FdsNamelist> fdsNamelists(std::string_view text,
-                                      const std::vector<std::string_view>& groups);
 
 struct FdsInput {
   /// How soot and CO come from fuel.
@@ -69,9 +51,6 @@ struct FdsInput {
   /// number that is used is none.
   [[nodiscard]] static Result<FdsInput> read(const std::filesystem::path& path);
 };
-
-/// Names of Fortran are the same in either case: this one's in capitals.
-std::string capitals(std::string_view text);
 
 /// Of a case; without the file one that says nothing.
 const FdsInput& inputOf(const SmvIndex& index);

@@ -50,12 +50,12 @@ TEST(FdsInput, SaysWhatOutputsDoNot) {
 }
 
 TEST(FdsInput, NamelistsHaveAllValues) {
-  const auto groups = fdsNamelists(kText, {"DEVC"});
+  const auto groups = namelists(kText, {"DEVC"});
   ASSERT_EQ(groups.size(), 4U);
   EXPECT_EQ(groups[0].line, 8);
   EXPECT_THAT(groups[0].values.at("XYZ"), ElementsAre("0.5", "0.5", "0.5"));
   EXPECT_EQ(groups[2].values.at("XB").size(), 6U);
-  EXPECT_TRUE(fdsNamelists("&DEVC ID='", {"MISC"}).empty());
+  EXPECT_TRUE(namelists("&DEVC ID='", {"MISC"}).empty());
 }
 
 TEST(FdsInput, ImpossibleNumbersAreNamed) {
@@ -108,11 +108,11 @@ TEST(FdsInput, ReadsTheFilesThatItNames) {
 TEST(FdsInput, EndsAnywhere) {
   const std::string text(kText);
   for (std::size_t i = 0; i < text.size(); ++i) {
-    (void)fdsNamelists(std::string_view(text).substr(0, i), {"HEAD", "MISC", "DEVC"});
+    (void)namelists(std::string_view(text).substr(0, i), {"HEAD", "MISC", "DEVC"});
     for (int bit = 0; bit < 8; ++bit) {
       std::string damaged = text;
       damaged[i] = static_cast<char>(damaged[i] ^ (1 << bit));
-      (void)fdsNamelists(damaged, {"HEAD", "MISC", "DEVC"});
+      (void)namelists(damaged, {"HEAD", "MISC", "DEVC"});
     }
   }
 }

@@ -12,7 +12,10 @@
 #include <string_view>
 #include <utility>
 
+#include "volute/base/file_as_written.hpp"
 #include "volute/base/file_name.hpp"
+#include "volute/base/namelist.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/io/below_folder.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -24,6 +27,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestCollection = 64 << 20;  ///< [bytes]
+constexpr std::uintmax_t kLargestInput = 1 << 28;        ///< as FDS's input is read [bytes]
+
+std::string withSlashes(std::string text) {
+  std::ranges::replace(text, '\\', '/');
+  return text;
+}
 
 std::string unescaped(std::string text) {
   constexpr std::pair<std::string_view, char> kNames[] = {
@@ -58,31 +67,72 @@ class OutsideFinder {
       std::ranges::for_each(namesInCollection(file),
                             [&](const auto& text) { addText(text, folder); });
     else
-      std::ranges::for_each(namesInCase(file), [&](const auto& text) { addText(text, folder); });
+      addCase(file, folder);
   }
 
   std::vector<std::string> found() && { return std::move(found_); }
 
  private:
+  void addCase(const fs::path& index, const fs::path& folder) {
+    bool isInput = false;  // what the line before announces
+    for (const std::string& text : namesInCase(index)) {
+      addText(text, folder);
+      if (isInput) {  // one whose folder is not there lies beside the index
+        addInput(written_.find(folder, text), folder);
+        addInput(written_.find(folder, fs::path(text).filename().string()), folder);
+      }
+      isInput = text.starts_with("INPF");
+    }
+  }
+
+  /// FDS's input, whatever it is called.
+  void addInput(const fs::path& file, const fs::path& folder) {
+    std::error_code error;
+    if (!isBelowFolder(file, folder)) {
+      if (fs::exists(file, error))
+        found_.push_back(file.filename().string());
+      return;
+    }
+    if (!fs::is_regular_file(file, error) || !inputs_.insert(file).second)
+      return;
+    for (const std::string& text : namesInInput(file)) addText(text, folderOf(file));
+  }
+
   void addText(const std::string& text, const fs::path& folder) {
     if (text.empty() || text.find('\0') != text.npos || isTooLong(text))
       return;
+    std::vector<fs::path> spellings{text};
+    if (text.find('\\') != text.npos)
+      spellings.emplace_back(withSlashes(text));
     std::error_code error;
-    const fs::path path = folder / text;
     // Most texts by far: to follow a path takes twenty calls of the system.
-    if (isPlainName(text) && fs::symlink_status(path, error).type() == fs::file_type::not_found)
-      return;
+    if (isPlainName(text) &&
+        fs::symlink_status(folder / text, error).type() == fs::file_type::not_found)
+      spellings.clear();
+    if (const fs::path found = written_.find(folder, text); found != folder / text)
+      spellings.push_back(found.lexically_proximate(folder));
+    for (const fs::path& name : spellings) {
+      if (addName(name, folder)) {
+        found_.push_back(text);
+        return;
+      }
+    }
+  }
+
+  /// Whether it leads out; else what it names is gone through.
+  bool addName(const fs::path& name, const fs::path& folder) {
+    std::error_code error;
+    const fs::path path = folder / name;
     if (!isBelowFolder(path, folder)) {
       // "/" is more likely a text than the root of all folders.
-      const fs::path normal = fs::path(text).lexically_normal();
-      if (!normal.filename().empty() || (normal.has_relative_path() && fs::exists(path, error)))
-        found_.push_back(text);
-      return;
+      const fs::path normal = name.lexically_normal();
+      return !normal.filename().empty() || (normal.has_relative_path() && fs::exists(path, error));
     }
     if (leadsOut(path, folder))
-      found_.push_back(text);
-    else if (holdsNames(path) && fs::is_regular_file(path, error))
+      return true;
+    if (holdsNames(path) && fs::is_regular_file(path, error))
       addFile(path);
+    return false;
   }
 
   /// Of one thing in the folder itself, and no pattern of frames.
@@ -125,7 +175,8 @@ class OutsideFinder {
     return place->second;
   }
 
-  std::set<fs::path> seen_;
+  FilesAsWritten written_;
+  std::set<fs::path> seen_, inputs_;
   std::map<std::pair<fs::path, fs::path>, std::vector<std::string>> links_;
   std::vector<std::string> found_;
 };
@@ -165,18 +216,31 @@ std::vector<std::string> namesInCollection(const std::filesystem::path& collecti
 
 std::vector<std::string> namesInCase(const std::filesystem::path& index) {
   std::vector<std::string> names;
+  std::set<std::string> seen;
   std::istringstream lines(readText(index, kLargestCollection).value_or(""));
+  constexpr std::string_view kSpaces(" \t\r\f\v\0", 6);
+  bool isInput = false;
   for (std::string line; std::getline(lines, line);) {
-    const std::size_t begin = line.find_first_not_of(" \t"), end = line.find_last_not_of(" \t\r");
+    const std::size_t begin = line.find_first_not_of(kSpaces);
     if (begin == std::string::npos)
       continue;
-    line = line.substr(begin, end + 1 - begin);
-    const std::size_t dot = line.find_last_of('.');
-    if (dot + 1 >= line.size() || !std::isalpha(static_cast<unsigned char>(line[dot + 1])) ||
-        line.find_first_of(" \t") != std::string::npos)
-      continue;
-    std::ranges::replace(line, '\\', '/');
-    names.push_back(line);
+    line = withSlashes(line.substr(begin, line.find_last_not_of(kSpaces) + 1 - begin));
+    const bool isNew = seen.insert(line).second;
+    const bool announces = line.starts_with("INPF");
+    if (isNew || isInput || announces)
+      names.push_back(line);
+    isInput = announces;
+  }
+  return names;
+}
+
+std::vector<std::string> namesInInput(const std::filesystem::path& input) {
+  std::vector<std::string> names;
+  const std::string text = readText(input, kLargestInput).value_or("");
+  for (const Namelist& group : namelists(asUtf8(text), {"CATF"})) {
+    const auto found = group.values.find("OTHER_FILES");
+    for (std::size_t i = 0; found != group.values.end() && i < found->second.size(); ++i)
+      names.push_back(withSlashes(found->second[i]));
   }
   return names;
 }

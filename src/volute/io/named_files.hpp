@@ -16,12 +16,17 @@ std::vector<std::string> filesNamedIn(const std::string& file);
 /// read.
 std::vector<std::string> namesInCollection(const std::filesystem::path& collection);
 
-/// What an FDS case's index (.smv) names on lines of their own, with "/" between folders; likewise.
+/// What may be a file's name in an FDS case's index (.smv): its lines, each once, and after "INPF"
+/// always, with "/" between folders; likewise.
 std::vector<std::string> namesInCase(const std::filesystem::path& index);
 
-/// Texts of a .json, .pvd or .smv, and of those that it names, that lead out of their folder when
-/// they are taken as names of files, of folders or of patterns, links followed: a stranger's scene
-/// would read what it wants of this machine.
+/// What an FDS input says is to be read with it (CATF), with "/" between folders; likewise.
+std::vector<std::string> namesInInput(const std::filesystem::path& input);
+
+/// Texts of a .json, .pvd or .smv, of the inputs of FDS, and of those that it names, that lead out
+/// of their folder when they are taken as names of files, of folders or of patterns, links
+/// followed, and as FilesAsWritten finds them: a stranger's scene would read what it wants of this
+/// machine.
 std::vector<std::string> namesOutside(const std::string& file);
 
 }  // namespace volute

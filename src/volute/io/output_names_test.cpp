@@ -107,5 +107,31 @@ TEST(NamedFiles, NoDisguiseLeadsOutOfTheFolder) {
   EXPECT_THAT(outside("a.json", "inner.json"), ElementsAre("../secret/"));
 }
 
+TEST(NamedFiles, CasesAndInputsOfFdsAreGoneThrough) {
+  const TempFolder folder;
+  for (const char* name : {"in", "in/sub", "my secrets"})
+    std::filesystem::create_directory(folder / name);
+  writeBytes(folder / "my secrets" / "c", "x");
+  std::filesystem::create_symlink("../my secrets/c", folder / "in" / "link");
+  std::filesystem::create_symlink("../my secrets/c", folder / "in" / "1.0");
+  const auto outside = [&](const std::string& lines) {
+    writeBytes(folder / "in" / "c.smv", lines);
+    return namesOutside((folder / "in" / "c.smv").string());
+  };
+  for (const char* bad :
+       {"../my secrets/c", "..\\my secrets\\c", "..\\MY secrets\\C", "link", "LINK", "1.0"})
+    EXPECT_EQ(outside("SLCF 1\n " + std::string(bad) + "\n soot\n").size(), 1U) << bad;
+  EXPECT_TRUE(outside("TITLE\n a/b: 1.0 m2/kg\nGRID a\n 1 2 3\n 2.0\n").empty());
+  const auto named = [&](const std::string& input, const std::string& name) {
+    writeBytes(folder / "in" / "input.txt", "&CATF\n other_files(1) = 'a.fds', '" + name + "' /\n");
+    return outside("GRID c\nINPF\n " + input + "\n");
+  };
+  for (const char* input : {"input.txt", "INPUT.TXT", "sub/input.txt", "no_such\\input.txt"}) {
+    for (const char* bad : {"../my secrets/c", "..\\my secrets\\c", "link", "Link"})
+      EXPECT_EQ(named(input, bad).size(), 1U) << input << ' ' << bad;
+    EXPECT_TRUE(named(input, "sub/b.fds").empty());
+  }
+}
+
 }  // namespace
 }  // namespace volute
