@@ -175,6 +175,20 @@ class Outputs(support.TestCase):
             self.assertIn("two outputs have the name", self.fails(2, "extract", volume, "-o", self.path("x.npy"), "--stats", self.path("s.json")))
             self.works("extract", volume, "-o", self.path("x.npy"))
 
+    def test_names_by_default_count(self):
+        volume = self.make_volute("a.volute")
+        self.works("extract", volume, "-o", self.path("b.npy"))
+        for words in (("render", "a.volute", "--size", "4x4", "--stats", "a.png"), ("compress", "b.npy", "--stats", "b.volute")):
+            done = subprocess.run([support.PROGRAM, *words], cwd=self.folder, capture_output=True, text=True)
+            self.assertEqual((done.returncode, self.path(words[-1]).exists()), (2, False), words)
+            self.assertIn(f"two outputs have the name {words[-1]}", done.stderr)
+
+    def test_statistics_are_no_file_of_a_run(self):
+        self.path("study.json").write_text(json.dumps({"cases": ["no.smv"], "options": {"signs": "signs.json"}}))
+        for name in ("out/study.csv", "out/new.json"):
+            said = self.fails(2, "sweep", self.path("study.json"), "-o", self.path("out"), "--stats", self.path(name))
+            self.assertIn("give another name", said)
+
     def test_no_frame_that_is_read_is_replaced(self):
         volume = self.make_volute()
         self.path("in").mkdir()

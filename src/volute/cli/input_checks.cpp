@@ -30,10 +30,13 @@ Status checkNothingOverwritten(const Command& command, const Arguments& argument
   for (const Option& option : command.options) {
     if (option.kind != ValueKind::kFile && option.kind != ValueKind::kOutput)
       continue;
-    const auto file = option.several ? std::nullopt : arguments.findGiven<std::string>(option.name);
+    const bool isOutput = option.kind == ValueKind::kOutput;  // named by default, too
+    const auto file = option.several ? std::nullopt
+                      : isOutput     ? arguments.find<std::string>(option.name)
+                                     : arguments.findGiven<std::string>(option.name);
     if (!file || *file == "-")
       continue;
-    if (option.kind == ValueKind::kOutput)
+    if (isOutput)
       outputs.emplace_back(option.name, *file);
     else
       inputs.push_back(*file);

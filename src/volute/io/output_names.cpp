@@ -85,6 +85,14 @@ bool replaces(const std::string& output, const std::string& input) {
   return isSameFile(output, input) || isSame(place, placeOf(input));
 }
 
+bool liesIn(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  const auto inside = fs::weakly_canonical(fs::absolute(file), error);
+  const auto whole = fs::weakly_canonical(fs::absolute(folder / ".").lexically_normal(), error);
+  const auto from = inside.lexically_relative(whole.has_filename() ? whole : whole.parent_path());
+  return !error && !from.empty() && *from.begin() != "..";
+}
+
 Status checkNamePart(std::string_view name, const std::string& what) {
   const bool wrong = name.empty() || name == "." || name == ".." ||
                      std::ranges::any_of(name, [](unsigned char letter) {

@@ -29,6 +29,9 @@ class OutputNames {
 /// files, through links too.
 [[nodiscard]] bool replaces(const std::string& output, const std::string& input);
 
+/// Whether a file lies in a folder or below, through links too; neither need be there.
+[[nodiscard]] bool liesIn(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 /// Whether a name that a file gives may be part of an output's name: no slash, which would lead to
 /// another folder, no control character, and neither "." nor "..". Else kInvalidData.
 [[nodiscard]] Status checkNamePart(std::string_view name, const std::string& what);

@@ -8,6 +8,7 @@
 #include "volute/cli/parse.hpp"
 #include "volute/cli/ranks.hpp"
 #include "volute/cli/values.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/visibility/study_folder.hpp"
 
 namespace volute::cli {
@@ -76,6 +77,12 @@ Status runSweep(const Arguments& arguments, Context& context) {
   if (!output)
     return fail(ErrorCode::kInvalidArgument,
                 "--output is missing: say into which folder the runs go");
+  if (const auto stats = arguments.find<std::string>("stats"); stats && liesIn(*stats, *output)) {
+    return fail(
+        ErrorCode::kInvalidArgument,
+        "--stats: {} is in the folder of --output, among the runs' files; give another name",
+        *stats);
+  }
   const std::filesystem::path folder = *output;
   VOLUTE_TRY(checkFolderIsShared(*output, context.team));
   Context::watch(folder / "study.csv");

@@ -14,6 +14,7 @@
 #include "volute/fds/people_file.hpp"
 #include "volute/film/sign_views.hpp"
 #include "volute/io/image_file.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/scene/scene_sight.hpp"
 #include "volute/visibility/criteria_file.hpp"
 #include "volute/visibility/plan_picture.hpp"
@@ -321,15 +322,6 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(auto pictures, SignViews::make(std::move(views), request.casePath, members,
                                                field->fillingSource(), context));
   return runSurvey(std::move(request), *field, *watch, pictures, context.progress, context.team);
-}
-
-bool liesIn(const std::filesystem::path& file, const std::filesystem::path& folder) {
-  std::error_code error;
-  const auto inside = std::filesystem::weakly_canonical(std::filesystem::absolute(file), error);
-  const auto whole = std::filesystem::weakly_canonical(
-      std::filesystem::absolute(folder / ".").lexically_normal(), error);
-  const auto from = inside.lexically_relative(whole.has_filename() ? whole : whole.parent_path());
-  return !error && !from.empty() && *from.begin() != "..";
 }
 
 Status runVisibility(const Arguments& arguments, Context& context) {
