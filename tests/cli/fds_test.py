@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """FDS cases through the program, written here as FDS writes them."""
+import csv
 import json
 import math
 import re
@@ -129,6 +130,26 @@ class Fds(support.TestCase):
         for command in (("render", self.case, "-o", self.path("x.png"), *eye),
                         ("compress", self.case, "-o", self.path("x.volute"), "--rms", "1e-3")):
             self.assertIn("1 of 2 stored times are left out", self.works(*command).message, command)
+
+    def sees(self, case, *options):
+        """The optical depths of an eye, and what was said."""
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "s", "position": [1.9, 0.5, 0.15], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n0.1,0.5,0.15\n")
+        done = self.works("visibility", case, "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"), "--criteria", "none",
+                          "-o", self.path("out"), *options)
+        with open(self.path("out") / "sight.csv", newline="") as file:
+            return [float(row["optical_depth"]) for row in csv.DictReader(file)], done.message
+
+    def test_meshes_are_connected_as_fds_does_it(self):
+        """By the cube root of the smallest cell's volume: a twentieth of 29 mm is more than 1 mm, of 14 mm less."""
+        for gap, cells, said in ((0.0008, 20, False), (0.0012, 20, True), (0.0008, 60, True)):
+            meshes = [Mesh("a", (0, 1, 0, 1, 0, 0.3), (100, cells, cells * 3 // 10)),
+                      Mesh("b", (1 + gap, 2, 0, 1, 0, 0.3), (10, cells, cells * 3 // 10))]
+            case = FdsCase(meshes, [0.0, 10.0], lambda t, *_: 0.1 * t).write(self.folder)
+            depths, message = self.sees(case)
+            self.assertEqual("apart by more than FDS connects" in message, said, (gap, cells))
+            if not said:
+                self.assertAlmostEqual(depths[-1], 1.8, delta=0.01)
 
     def test_missing_files_are_listed_and_refused(self):
         self.path("case_2.sf").unlink()

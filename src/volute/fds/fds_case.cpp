@@ -427,6 +427,7 @@ Status FdsCase::buildGrid() {
 void FdsCase::noteGaps(std::span<const FdsLattice> lattices) {
   int count = 0;
   std::string first;
+  const double separation = meshSeparation(lattices);
   for (const FdsLattice& a : lattices) {
     const Box3 one = a.bounds();
     for (const FdsLattice& b : lattices) {
@@ -437,7 +438,9 @@ void FdsCase::noteGaps(std::span<const FdsLattice> lattices) {
           continue;
         const auto& planes = a.planes[axis];
         const double cell = planes.back() - planes[planes.size() - 2];
-        if (gap <= std::min(kMeshSeparation, 0.05 * cell) || gap >= cell)
+        if (gap <= std::min(meshSeparation(a, axis, separation),
+                            meshSeparation(b, axis, separation)) ||
+            gap >= cell)
           continue;
         const int u = (axis + 1) % 3, v = (axis + 2) % 3;
         const bool facing = one.min[u] < other.max[u] && other.min[u] < one.max[u] &&
@@ -451,12 +454,11 @@ void FdsCase::noteGaps(std::span<const FdsLattice> lattices) {
   if (count > 0) {
     remarks_.push_back(
         {RemarkCode::kDoubtful,
-         fmt::format("{}: {} pairs of meshes are apart by more than FDS connects (1 mm, and a "
-                     "twentieth of a "
-                     "cell): {}{}. Nothing is known in between: sight lines across count as "
-                     "blocked by smoke "
-                     "that nobody knows",
-                     index_.path.string(), count, first, count > 1 ? ", and others" : "")});
+         fmt::format("{}: {} pairs of meshes are apart by more than FDS connects ({:.3g} mm): "
+                     "{}{}. Nothing is known in between: sight lines across count as blocked by "
+                     "smoke that nobody knows",
+                     index_.path.string(), count, 1e3 * separation, first,
+                     count > 1 ? ", and others" : "")});
   }
 }
 

@@ -5,20 +5,12 @@
 #include <numeric>
 #include <utility>
 
+#include "volute/fds/fds_part.hpp"
+
 namespace volute {
 namespace {
 
 constexpr double kMaxParts = 1 << 24;
-
-/// What may lie between two planes that are one [m], on one axis: as FDS connects meshes
-/// (MESH_SEPARATION_DISTANCE in its cons.f90).
-double tolerance(const FdsLattice& lattice, int axis) {
-  const auto& planes = lattice.planes[axis];
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < planes.size(); ++i)
-    least = std::min(least, planes[i] - planes[i - 1]);
-  return std::min(kMeshSeparation, 0.05 * least);
-}
 
 /// Moves the outer planes of all lattices onto common ones, and returns these.
 std::vector<double> commonPlanes(std::vector<FdsLattice>& lattices, int axis) {
@@ -29,8 +21,9 @@ std::vector<double> commonPlanes(std::vector<FdsLattice>& lattices, int axis) {
   };
 
   std::vector<End> ends;
+  const double separation = meshSeparation(lattices);
   for (FdsLattice& lattice : lattices) {
-    const double within = tolerance(lattice, axis);
+    const double within = meshSeparation(lattice, axis, separation);
     ends.push_back({lattice.planes[axis].front(), within, &lattice.planes[axis].front()});
     ends.push_back({lattice.planes[axis].back(), within, &lattice.planes[axis].back()});
   }
@@ -52,6 +45,20 @@ double cellVolume(const FdsLattice& lattice) {
 }
 
 }  // namespace
+
+double meshSeparation(std::span<const FdsLattice> lattices) {
+  double separation = kMeshSeparation;
+  for (const FdsLattice& lattice : lattices)
+    separation = std::min(separation, 0.05 * std::cbrt(cellVolume(lattice)));
+  return separation;
+}
+
+double meshSeparation(const FdsLattice& lattice, int axis, double separation) {
+  const auto& planes = lattice.planes[axis];
+  for (std::size_t i = 1; i < planes.size(); ++i)
+    separation = std::min(separation, 0.4 * (planes[i] - planes[i - 1]));
+  return separation;
+}
 
 Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> lattices,
                                                        std::vector<bool> held) {

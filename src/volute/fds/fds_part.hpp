@@ -10,6 +10,14 @@
 
 namespace volute {
 
+/// How far meshes may be apart that FDS connects [m] (MESH_SEPARATION_DISTANCE in its read.f90): no
+/// more than kMeshSeparation, and than a twentieth of the smallest cell of all, by the cube root of
+/// its volume.
+double meshSeparation(std::span<const FdsLattice> lattices);
+
+/// The same for the planes of one, which must not be moved past each other [m].
+double meshSeparation(const FdsLattice& lattice, int axis, double separation);
+
 /// How the values of a lattice lie in its file.
 struct FdsFileAxes {
   std::array<std::vector<int>, 3> place;  // of each lattice value, on each axis
