@@ -212,6 +212,22 @@ class Tenability(Cases):
         data, header = path.read_bytes(), 3 * 38 + 32
         path.write_bytes(data[:header + frames * (len(data) - header) // len(TIMES)])
 
+    def test_the_net_flux_of_a_wall_is_not_what_people_receive(self):
+        hall = Mesh("hall", (0, 8, 0, 4, 0, 3), (8, 4, 3))
+        case = FdsCase([hall], [0.0, 10.0, 20.0], lambda t, *_: 0.02 * t).write(self.folder, "hall")
+        with open(case, "a") as file:
+            file.write("INPF\n hall.fds\n\nDEVICE\n R % RADIATIVE HEAT FLUX\n 4.5 2.5 1.5 0 0 -1 0 0 % null\n")
+        self.path("hall_devc.csv").write_text('s,kW/m2\n"Time","R"\n0,0\n10,5\n20,5\n')
+        self.path("criteria.json").write_text('{"criteria": [{"name": "radiation", "kind": "radiant-flux", "limit": 2.5}]}')
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "s", "position": [7.9, 2, 2], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n4.5,2.5,1.5\n")
+        for quantity, reached in (("RADIATIVE HEAT FLUX', IOR=1", False), ("RADIATIVE HEAT FLUX GAS'", True)):
+            self.path("hall.fds").write_text(f"&HEAD CHID='hall' /\n&DEVC ID='R', QUANTITY='{quantity}, XYZ=4.5,2.5,1.5 /\n")
+            done = self.works("visibility", case, "--signs", self.path("signs.json"), "--eyes", self.path("eyes.csv"), "--criteria",
+                              self.path("criteria.json"), "-o", self.path("out"))
+            self.assertEqual("first reached at" in done.text, reached, done.text)
+            self.assertEqual("the net flux of a wall" in done.message + done.text, not reached, done.message)
+
     def test_what_ends_earlier_than_the_smoke_is_not_known_after(self):
         case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED)
         self.cut(case, 2, 4)  # the temperature: 0 to 30 s

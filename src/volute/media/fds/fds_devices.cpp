@@ -453,9 +453,13 @@ Result<std::unique_ptr<PointField>> fdsDevicePoints(const SmvIndex& index,
     // are not the value at a point.
     if (found == quantities.end())
       continue;
-    if (said != nullptr && (!said->statistic.empty() || said->scaled)) {
+    // What a wall takes in is less than what people receive: it is hot, and reflects.
+    const bool ofWall = said != nullptr && capitals(said->quantity) == "RADIATIVE HEAT FLUX";
+    if (said != nullptr && (!said->statistic.empty() || said->scaled || ofWall)) {
       left.insert(fmt::format("{} ({})", device.label,
-                              said->scaled ? "CONVERSION_FACTOR without UNITS" : said->statistic));
+                              ofWall         ? "the net flux of a wall"
+                              : said->scaled ? "CONVERSION_FACTOR without UNITS"
+                                             : said->statistic));
       continue;
     }
     if (!wanted.emplace(device.label, Wanted{&device, found->factor}).second)
