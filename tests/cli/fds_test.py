@@ -151,6 +151,30 @@ class Fds(support.TestCase):
             if not said:
                 self.assertAlmostEqual(depths[-1], 1.8, delta=0.01)
 
+    def test_a_factor_of_visibility_is_that_of_other_slices(self):
+        """C = 8, which no input file says: the extinction is stored until 10 s alone."""
+        hall = Mesh("hall", (0, 2, 0, 1, 0, 0.3), (20, 10, 3))
+        smoke = lambda t, x, *_: 0.03 * (t + 10) * (1 + x)
+        seen = lambda t, x, *_: min(30.0, 8 / smoke(t, x))
+        case = FdsCase([hall], [0.0, 10.0, 20.0], seen, more=[("SOOT EXTINCTION COEFFICIENT", "1/m", smoke)])
+        index = case.write(self.folder)
+        text = index.read_text()  # the first of the two is the visibility
+        index.write_text(text.replace("SOOT EXTINCTION COEFFICIENT\n short\n 1/m", "SOOT VISIBILITY\n short\n m", 1))
+        case.write_slice(self.path("case_1_1.sf"), hall, ("SOOT VISIBILITY", "short", "m"), seen)
+        case.times = [0.0, 10.0]
+        case.write_slice(self.path("case_1_2.sf"), hall, ("SOOT EXTINCTION COEFFICIENT", "short", "1/m"), smoke)
+        for options in ((), ("--field", "slice3d-visibility-cells")):
+            depths, message = self.sees(index, *options)
+            self.assertIn("C = 8 (by slice3d-extinction-cells, at the same times; FDS's default is 3)", message)
+            for time, depth in zip((0, 10, 20), depths):
+                self.assertAlmostEqual(depth, 1.8 * 0.03 * (time + 10) * 2, delta=0.01)
+        index.write_text(index.read_text() + "INPF\n case.fds\n")
+        self.path("case.fds").write_text("&HEAD CHID='case' /\n&MISC VISIBILITY_FACTOR=4 /\n")
+        said = self.sees(index)[1]
+        self.assertIn("visibility by C = 4 (VISIBILITY_FACTOR of case.fds) contradicts slice3d-extinction-cells, by which it is 8 to 8 at", said)
+        self.path("case.fds").write_text("&HEAD CHID='case' /\n&MISC VISIBILITY_FACTOR=8 /\n")
+        self.assertNotIn("contradicts", self.sees(index)[1])
+
     def test_missing_files_are_listed_and_refused(self):
         self.path("case_2.sf").unlink()
         said = self.works("info", self.case, "--json").json

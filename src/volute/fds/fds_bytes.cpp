@@ -221,6 +221,100 @@ void FdsCase::tellExtinction() {
                                         index_.path.string(), part.massExtinction, from)});
 }
 
+namespace {
+
+/// C of visibility by what other slices say of the same places at the same times.
+struct FactorBesides {
+  std::string source;
+  bool isDensity = false;                 // whose mass extinction may be another
+  double least = 0, usual = 0, most = 0;  // of nine tenths of the values
+
+  bool contradicts(double factor) const { return least > 1.1 * factor || most < 0.9 * factor; }
+};
+
+/// The slice of another source that has the same places.
+const FdsSliceEntry* sameSlice(const SmvIndex& index, const FdsSliceEntry& slice,
+                               const FdsSource& source) {
+  for (const FdsSourcePart& part : source.parts) {
+    const FdsSliceEntry& other = index.slices[part.entry];
+    if (other.mesh == slice.mesh && other.cellCentred == slice.cellCentred && slice.nodes &&
+        other.nodes == slice.nodes)
+      return &other;
+  }
+  return nullptr;
+}
+
+/// Whether a value of a slice is of a cell outside of it: the first on each axis, where they are of
+/// cells.
+bool isGhost(const FdsSliceEntry& slice, std::size_t value) {
+  for (int axis = 0; slice.cellCentred && axis < 3; ++axis) {
+    const auto count =
+        static_cast<std::size_t>(slice.nodes->end[axis] - slice.nodes->begin[axis] + 1);
+    if (count > 1 && value % count == 0)
+      return true;
+    value /= count;
+  }
+  return false;
+}
+
+/// Adds the products of a slice of visibility and the extinction that another one says.
+void addProducts(const FdsMesh& mesh, const FdsSliceEntry& seen, const FdsSliceEntry& other,
+                 const SmokeScale& scale, double cap, std::vector<double>& products) {
+  constexpr std::size_t kFrames = 4, kMax = 100'000;
+  const auto a = FdsSliceFile::open(seen, mesh), b = FdsSliceFile::open(other, mesh);
+  if (!a || !b || a->values() != b->values())
+    return;
+  std::vector<float> visibility(a->values()), smoke(b->values());
+  std::size_t read = 0;
+  for (std::size_t i = a->frames().times.size(); i-- > 0 && read < kFrames;) {
+    const double time = a->frames().times[i];
+    const auto place = std::ranges::find_if(b->frames().times, [&](double one) {
+      return std::abs(time - one) <= 1e-5 * (1 + std::abs(time));
+    });
+    if (place == b->frames().times.end())
+      continue;
+    ++read;
+    if (!a->readFrame(i, visibility) ||
+        !b->readFrame(static_cast<std::size_t>(place - b->frames().times.begin()), smoke))
+      return;
+    for (std::size_t v = 0; v < smoke.size() && products.size() < kMax; ++v) {
+      if (visibility[v] > 0 && visibility[v] < 0.98 * cap && smoke[v] > 0 &&
+          std::isfinite(smoke[v]) && !isGhost(seen, v))
+        products.push_back(visibility[v] * static_cast<double>(scale.band(smoke[v]).value));
+    }
+  }
+}
+
+std::optional<FactorBesides> factorBesides(const SmvIndex& index, const FdsSource& seen,
+                                           std::span<const FdsSource> sources, double cap,
+                                           double massExtinction) {
+  constexpr std::size_t kFewest = 20;
+  for (const FdsSource& source : sources) {
+    if (seen.kind != FdsFileKind::kSlice || source.kind != FdsFileKind::kSlice ||
+        source.quantity == SmokeQuantity::kVisibility)
+      continue;
+    SmokeScale scale;
+    scale.quantity = source.quantity;
+    scale.massExtinction = massExtinction;
+    std::vector<double> products;
+    for (const FdsSourcePart& part : seen.parts) {
+      const FdsSliceEntry& slice = index.slices[part.entry];
+      if (const FdsSliceEntry* other = sameSlice(index, slice, source))
+        addProducts(index.meshes[static_cast<std::size_t>(part.mesh)], slice, *other, scale, cap,
+                    products);
+    }
+    if (products.size() < kFewest)
+      continue;
+    std::ranges::sort(products);
+    const std::size_t n = products.size();
+    return FactorBesides{source.name, source.quantity == SmokeQuantity::kSootDensity,
+                         products[n / 20], products[n / 2], products[n - 1 - n / 20]};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 /// C and the cap of visibility, the mass extinction of soot: as the caller or the input file says,
 /// else as FDS has them by default, unless the files have other values than these leave possible.
 Status FdsCase::findVisibility() {
@@ -268,6 +362,25 @@ Status FdsCase::findVisibility() {
     cap = "the largest value at the first stored time";
   }
   const bool assumed = input.path.empty();
+  const double massExtinction = options_.massExtinction > 0
+                                    ? options_.massExtinction
+                                    : input.massExtinction.value_or(kFdsMassExtinction);
+  const auto besides = factorBesides(index_, source(), sources_, visibilityCap_, massExtinction);
+  if (besides && besides->contradicts(visibilityFactor_)) {
+    const bool sure = besides->most <= 1.02 * besides->least && !besides->isDensity;
+    if (assumed && !options_.visibilityFactor && sure) {
+      visibilityFactor_ = 1e-3 * std::round(1e3 * besides->usual);
+      factor = fmt::format("by {}, at the same times; FDS's default is 3", besides->source);
+    } else {
+      remarks_.push_back(
+          {RemarkCode::kDoubtful,
+           fmt::format("{}: visibility by C = {:g} ({}) contradicts {}, by which it is {:.3g} to "
+                       "{:.3g} at the same times{}",
+                       index_.path.string(), visibilityFactor_, factor, besides->source,
+                       besides->least, besides->most,
+                       besides->isDensity ? ", or the mass extinction of soot is another" : "")});
+    }
+  }
   remarks_.push_back(
       {assumed ? RemarkCode::kAssumed : RemarkCode::kNote,
        fmt::format("{}: K = C / visibility with C = {:g} ({}); visibility is cut at {:g} m ({}): "
