@@ -49,6 +49,13 @@ class Terminal(support.TestCase):
         self.assertIn("owned", result.message)
         self.quiet(result)
 
+    def test_a_name_is_no_entry(self):
+        self.path("a.vti").write_text(
+            '<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"><ImageData WholeExtent="0 1 0 1 0 1" Origin="0 0 0" '
+            'Spacing="1 1 1"><Piece Extent="0 1 0 1 0 1"><CellData><DataArray type="Float32" Name="a&#10;integrity  fine" format="ascii">3'
+            '</DataArray></CellData></Piece></ImageData></VTKFile>\n')
+        self.assertRegex(self.works("info", self.path("a.vti")).text, "\n  +integrity  fine\n")
+
     def test_a_name_is_no_message(self):
         name = "a\nvolute: all is well.npy"
         result = volute("info", self.path(name))

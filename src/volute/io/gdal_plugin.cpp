@@ -42,8 +42,10 @@ int axisNamed(const std::string& name) {
 
 /// What GDAL said of the last failure.
 std::string gdalSaid(std::string_view otherwise) {
-  const char* said = CPLGetLastErrorMsg();
-  return said && *said ? said : std::string(otherwise);
+  const char* last = CPLGetLastErrorMsg();
+  std::string said = last ? last : "";
+  said.resize(std::min(said.find("\nat ("), said.size()));  // where in its sources
+  return said.empty() ? std::string(otherwise) : said;
 }
 
 using ArrayPtr = std::shared_ptr<GDALMDArray>;

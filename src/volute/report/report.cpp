@@ -32,7 +32,17 @@ std::string Report::text() const {
   std::size_t width = 0;
   for (const Line& line : lines_) width = std::max(width, line.label.size());
   std::string text;
-  for (const Line& line : lines_) text += fmt::format("{:<{}}  {}\n", line.label, width, line.text);
+  // No name with a line's end in it can begin what looks like an entry of its own.
+  for (const Line& line : lines_) {
+    text += fmt::format("{:<{}}  ", line.label, width);
+    for (std::size_t i = 0; i < line.text.size(); ++i) {
+      text += line.text[i];
+      if (line.text[i] == '\n' && i + 1 < line.text.size() && line.text[i + 1] != ' ' &&
+          line.text[i + 1] != '\n')
+        text.append(width + 2, ' ');
+    }
+    text += '\n';
+  }
   return text;
 }
 
