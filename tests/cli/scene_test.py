@@ -115,11 +115,20 @@ class Scene(support.TestCase):
             value = {"--interpolate": "linear", "--basis": "box"}[option]
             self.assertIn(f"{option} has no effect", self.fails(2, "render", self.write(), "-o", self.path("x.png"), option, value))
 
-    def test_what_the_scene_s_camera_leaves_without_effect_is_refused(self):
-        for words, said in ((("--up", "1,0,0"), "--up has no effect"), (("--fps", "10"), "--fps has no effect on one picture")):
-            self.assertIn(said, self.fails(2, "render", self.write(), "-o", self.path("x.png"), *words))
-        view = ("--eye", "0.5,-3,0.5", "--target", "0.5,0.5,0.5", "--ortho", "0.5")
-        self.works("render", self.write(), "-o", self.path("x.png"), *view, "--up", "1,0,0")
+    def test_parts_of_a_view_change_the_scene_s_camera(self):
+        self.assertIn("--fps has no effect on one picture",
+                      self.fails(2, "render", self.write(), "-o", self.path("x.png"), "--fps", "10"))
+        def drawn(*words):
+            self.works("render", self.write(), "-o", self.path("x.exr"), *words)
+            return self.path("x.exr").read_bytes()
+        camera = self.scene["camera"]
+        eye, target = (",".join(map(str, camera[name])) for name in ("eye", "target"))
+        whole = ("--eye", eye, "--target", target, "--size", "8x8")
+        size = ("--ortho", "0.5") if "ortho" in camera else ("--fov", "20")
+        own = ("--ortho", str(camera["ortho"])) if "ortho" in camera else ("--fov", str(camera["fov"]))
+        self.assertEqual(drawn("--up", "1,0,0.5", "--size", "8x8"), drawn(*whole, *own, "--up", "1,0,0.5"))
+        self.assertEqual(drawn(*size, "--size", "8x8"), drawn(*whole, *size))
+        self.assertEqual(drawn("--eye", "0.4,-3,0.6", "--size", "8x8"), drawn("--eye", "0.4,-3,0.6", *whole[2:], *own))
 
     def test_members_of_a_volume_that_change_nothing_are_told(self):
         write_npy(self.path("one.npy"), (4, 4, 4), [0.25] * 64)
