@@ -111,6 +111,27 @@ TEST(MeshCases, RecordsThatWereNeverWrittenAreNoData) {
   EXPECT_THAT(open.absentText(), HasSubstr("left out: unknown"));
 }
 
+TEST(MeshCases, AFirstRecordThatWasNeverWrittenIsLeftOut) {
+  const TempFolder folder;
+  writeExodus(folder.path());
+  std::string bytes = readBytes(folder / "box.e"), first;
+  for (const Vec3& point : boxPoints()) putBigEndian(first, smokeAt(point, 0));
+  ASSERT_NE(bytes.find(first), bytes.npos);
+  bytes.replace(bytes.find(first), first.size(), smokeBytes(true));
+  writeBytes(folder / "box.e", bytes);
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+  EXPECT_THAT(source.times(), ElementsAre(20));
+  EXPECT_THAT(source.absentText(), HasSubstr("1 of 2 times, which are left out: 10 s"));
+  ASSERT_VALUE(const auto frame, source.read(0));
+  expectSmoke(frame, 1);
+  // None is there: that is an error, and nothing is left out.
+  bytes.replace(bytes.find(smokeBytes(false)), first.size(), smokeBytes(true));
+  writeBytes(folder / "box.e", bytes);
+  ASSERT_VALUE(auto none, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+  EXPECT_EQ(none.absentText(), "");
+  EXPECT_THAT(none.read(0).error().message, HasSubstr("12 of 12 values"));
+}
+
 TEST(MeshCases, ReadsLegacyVtk) {
   const TempFolder folder;
   writeLegacy(folder.path());

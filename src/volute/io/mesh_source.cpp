@@ -215,6 +215,12 @@ Result<std::vector<double>> readTimes(const std::filesystem::path& path,
   for (std::size_t i = 0; i < times.size(); ++i) {
     if (i > 0 && isNetcdfFill(times[i]))
       continue;  // left out later, and told
+    if (i > 1 && isNetcdfFill(times[i - 1])) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: the time of instant {} was never written (netCDF's fill value); expected "
+                  "ascending times",
+                  file, i - 1);
+    }
     if (!std::isfinite(times[i]) || (i > 0 && times[i] <= times[i - 1])) {
       return fail(ErrorCode::kInvalidData, "{}: instant {} is at {} s; expected ascending times",
                   file, i, times[i]);
@@ -672,7 +678,7 @@ void MeshSource::keepTimesOf(const std::filesystem::path& path) {
   times_ = std::move(times);
 }
 
-/// Records at the end of an Exodus file that its writer made and did not write.
+/// Records at the end of an Exodus file that its writer made and did not write, and at its begin.
 Status MeshSource::leaveOutUnwritten() {
   absentWhat_ = "the record was never written (netCDF's fill value)";
   std::size_t whole = times_.size();
@@ -685,19 +691,22 @@ Status MeshSource::leaveOutUnwritten() {
                   locations_[i].file.string(), i);
     }
   }
-  for (; whole > 1; --whole) {
-    const FrameLocation& last = locations_[whole - 1];
-    const auto unwritten = [&](const std::string& field) {
+  const auto isUnwritten = [&](std::size_t i) {
+    const auto holdsNothing = [&](const std::string& field) {
       MeshOptions options = options_;
       options.field = field;
-      const auto data = readMesh(last.file, last.index, options);
+      const auto data = readMesh(locations_[i].file, locations_[i].index, options);
       return data && !data->values.empty() && std::ranges::all_of(data->values, isNetcdfFill);
     };
-    const bool also = !options_.alsoField.empty() && unwritten(options_.alsoField);
-    if (!also && !unwritten(options_.field))
-      break;
-  }
-  leaveOut([&](std::size_t i) { return i >= whole; });
+    return (!options_.alsoField.empty() && holdsNothing(options_.alsoField)) ||
+           holdsNothing(options_.field);
+  };
+  while (whole > 1 && isUnwritten(whole - 1)) --whole;
+  std::size_t first = 0;
+  while (first < whole && isUnwritten(first)) ++first;
+  if (first == whole)
+    return {};  // reading the first frame says it
+  leaveOut([&](std::size_t i) { return i < first || i >= whole; });
   return {};
 }
 

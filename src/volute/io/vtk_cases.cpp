@@ -30,6 +30,7 @@
 #include <string_view>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/lower_case.hpp"
 #include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
@@ -337,9 +338,10 @@ double statedTime(vtkXMLReader& reader) {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const auto key = vtkStreamingDemandDrivenPipeline::TIME_STEPS();
   for (int i = 0; i < reader.GetNumberOfTimeDataArrays(); ++i) {
-    if (reader.GetTimeDataArray(i) == std::string_view("TIME") &&
+    const std::string name = reader.GetTimeDataArray(i);
+    if ((name == "TIME" || lowerCase(name) == "timevalue") &&
         !reader.GetOutputInformation(0)->Has(key)) {
-      reader.SetActiveTimeDataArrayName("TIME");
+      reader.SetActiveTimeDataArrayName(name.c_str());
       reader.UpdateInformation();
     }
   }

@@ -338,7 +338,7 @@ TEST(Vtk, TheTimeThatAFileStatesIsItsTime) {
   const std::string text = inPieces({{0, 4, 0, 4, 0, 4}});
   int number = 0;
   for (const auto& [name, time] :
-       {std::pair("TimeValue", "0"), {"TIME", "2.5"}, {"TimeValue", "10"}}) {
+       {std::pair("TimeValue", "0"), {"TIME", "2.5"}, {"timevalue", "10"}}) {
     std::string timed = text;
     timed.insert(timed.find("<Piece"),
                  fmt::format("<FieldData><DataArray type=\"Float64\" Name=\"{}\" "
