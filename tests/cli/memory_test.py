@@ -68,6 +68,17 @@ class Memory(support.TestCase):
                 ("render", (packed, "-o", self.path("x_%02d.png"), "--frames", "0:40:8", *view))):
             self.expect_held(verb, arguments, limits, sequence)
 
+    def test_of_many_eyes_and_routes(self):
+        """A place of each is refused before it does not fit."""
+        case = sight_cases.FdsCase([sight_cases.Mesh("hall", (0, 6, 0, 4, 0, 3), (6, 4, 3))], [0.0, 10.0, 20.0, 30.0],
+                                   lambda t, *_: 0.01 * t).write(self.folder)
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [5.9, 2, 2], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n" + "1,1,1.5\n" * 60_000)
+        self.path("routes.csv").write_text("route,x,y,z\n" + "".join(f"r{r},1,1,1.5\nr{r},2,1,1.5\n" for r in range(8000)))
+        for eyes in (("--eyes", self.path("eyes.csv")), ("--route", self.path("routes.csv"), "--speed", "1")):
+            self.expect_held("visibility", (case, "--signs", self.path("signs.json"), *eyes, "--sight", "none", "--criteria", "none",
+                                            "-o", self.path("out")), (24 << 10, 48 << 10, 96 << 10, 384 << 10), 1 << 40)
+
     def test_of_what_is_in_a_box_and_not_of_the_box(self):
         """Two bricks in a box of 100,000^3 voxels."""
         line = [math.sin(i / 3) ** 2 if i < 8 or i >= 16 else 0 for i in range(24)]

@@ -65,6 +65,7 @@ class RouteWatch final : public Watch {
         standOnFloors(first, survey.bounds, routes_[r].points.front().z(),
                       std::span(eyes_).subspan(firstStations_[r]), progress);
     }
+    VOLUTE_TRY(checkMemory());
     std::vector<Place> places(eyes_.size());
     first.places(eyes_, places);
     const auto lost =
@@ -87,7 +88,6 @@ class RouteWatch final : public Watch {
     if (plan)
       plan_ = std::move(*plan);
     walk_.resize(stations_.size());
-    coverage_ = Json::array();
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
                      routes_.size());
@@ -152,8 +152,12 @@ class RouteWatch final : public Watch {
     }
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       report["routes"].push_back(routeJson(r));
-      page += routePlot(r);
+      if (r < kPlots)
+        page += routePlot(r);
     }
+    if (routes_.size() > kPlots)
+      page += fmt::format("<p>Plots of the first {} of {} routes; visibility.json has all.</p>\n",
+                          kPlots, routes_.size());
     addVerdict(report);
     page += walkTable(report["routes"]);
     if (meter_)
@@ -164,6 +168,14 @@ class RouteWatch final : public Watch {
  private:
   /// Whether where walkers are depends on the smoke.
   bool mindsSmoke() const { return !walking_.slowed.isNone() || walking_.start.waits(); }
+
+  /// What the report has of each route, of each at each time, and of each station.
+  Status checkMemory() const {
+    constexpr std::uint64_t kRoute = 2500, kTime = 700, kTimeOfSign = 120, kStation = 700;
+    const std::uint64_t ofRoute =
+        kRoute + survey_->times.size() * (kTime + kTimeOfSign * survey_->signs.size());
+    return survey_->checkMemory(eyes_.size(), kStation + ofRoute * routes_.size() / eyes_.size());
+  }
 
   /// Signs belong to routes that are there.
   Status checkSigns() const {
@@ -498,7 +510,7 @@ class RouteWatch final : public Watch {
 
   void noteCoverage(const SurveyTime& at) {
     const std::size_t eyes = eyes_.size(), signs = survey_->signs.size();
-    Json routes = Json::array();
+    coverageTimes_.push_back(at.time);
     for (std::size_t r = 0; r < routes_.size(); ++r) {
       const auto anySign = [&](auto&& is) {
         return shareOf(r, [&](std::size_t i) {
@@ -508,20 +520,19 @@ class RouteWatch final : public Watch {
           return any;
         });
       };
-      Json bySign = Json::object();
-      for (std::size_t s = 0; s < signs; ++s) {
-        if (!isFor(s, r))
-          continue;
-        bySign[survey_->signs[s].sign.name] =
-            shareOf(r, [&](std::size_t i) { return at.sightings[s * eyes + i].visible; });
-      }
-      routes.push_back({{"time", at.time},
-                        {"any", anySign([](const Sighting& one) { return one.visible; })},
-                        {"any_low", anySign([](const Sighting& one) { return one.certainly; })},
-                        {"any_high", anySign([](const Sighting& one) { return one.possibly; })},
-                        {"signs", bySign}});
+      coverage_.push_back(anySign([](const Sighting& one) { return one.visible; }));
+      coverage_.push_back(anySign([](const Sighting& one) { return one.certainly; }));
+      coverage_.push_back(anySign([](const Sighting& one) { return one.possibly; }));
+      for (std::size_t s = 0; s < signs; ++s)
+        coverage_.push_back(
+            shareOf(r, [&](std::size_t i) { return at.sightings[s * eyes + i].visible; }));
     }
-    coverage_.push_back(std::move(routes));
+  }
+
+  /// Shares of a route at a time from which any sign is seen, at least and at most, and each.
+  std::span<const double> coverageOf(std::size_t time, std::size_t route) const {
+    const std::size_t size = 3 + survey_->signs.size();
+    return std::span(coverage_).subspan((time * routes_.size() + route) * size, size);
   }
 
   /// What walkers see who arrive between the last time and this one: optical depths are linear in
@@ -554,7 +565,19 @@ class RouteWatch final : public Watch {
   Json routeJson(std::size_t r) const {
     Json json = {{"name", routes_[r].name}, {"length", routes_[r].length()}};
     json["coverage"] = Json::array();
-    for (const Json& record : coverage_) json["coverage"].push_back(record[r]);
+    for (std::size_t t = 0; t < coverageTimes_.size(); ++t) {
+      const auto shares = coverageOf(t, r);
+      Json bySign = Json::object();
+      for (std::size_t s = 0; s < survey_->signs.size(); ++s) {
+        if (isFor(s, r))
+          bySign[survey_->signs[s].sign.name] = shares[3 + s];
+      }
+      json["coverage"].push_back({{"time", coverageTimes_[t]},
+                                  {"any", shares[0]},
+                                  {"any_low", shares[1]},
+                                  {"any_high", shares[2]},
+                                  {"signs", std::move(bySign)}});
+    }
     Json walk = Json::array();
     double seen = 0, known = 0;
     for (std::size_t i = firstStations_[r]; i < firstStations_[r + 1]; ++i) {
@@ -617,13 +640,13 @@ class RouteWatch final : public Watch {
   std::string routePlot(std::size_t r) const {
     PlotLine any{"any sign", {}};
     std::vector<PlotLine> lines;
+    for (std::size_t t = 0; t < coverageTimes_.size(); ++t) any.y.push_back(coverageOf(t, r)[0]);
     for (std::size_t s = 0; s < survey_->signs.size(); ++s) {
-      if (isFor(s, r))
-        lines.push_back({survey_->signs[s].sign.name, {}});
-    }
-    for (const Json& record : coverage_) {
-      any.y.push_back(record[r]["any"].get<double>());
-      for (PlotLine& line : lines) line.y.push_back(record[r]["signs"][line.name].get<double>());
+      if (!isFor(s, r))
+        continue;
+      lines.push_back({survey_->signs[s].sign.name, {}});
+      for (std::size_t t = 0; t < coverageTimes_.size(); ++t)
+        lines.back().y.push_back(coverageOf(t, r)[3 + s]);
     }
     if (survey_->times.size() < 2)
       return "";
@@ -666,6 +689,8 @@ class RouteWatch final : public Watch {
                       drawPlan(plan_, picture, survey_->signs, routes_));
   }
 
+  static constexpr std::size_t kPlots = 200;  // as many as somebody looks through
+
   const Survey* survey_ = nullptr;
   std::vector<Route> routes_;
   Walk walking_;
@@ -681,7 +706,8 @@ class RouteWatch final : public Watch {
   std::vector<std::size_t> firstStations_;  // of each route, and the end
   std::vector<Vec3> eyes_;
   FloorPlan plan_;
-  Json coverage_;                            // of each time, a list of routes
+  std::vector<double> coverageTimes_;
+  std::vector<double> coverage_;             // of each time and route: coverageOf()
   std::vector<std::vector<Sighting>> walk_;  // of each station, when a walker is there
   std::vector<Sighting> last_;
   double lastTime_ = 0;

@@ -227,6 +227,15 @@ class PointWatch : public Watch {
 
   Status begin(const Survey& survey, const SightSnapshot& first, Progress& progress) override {
     survey_ = &survey;
+    constexpr std::uint64_t kPoint = 400, kPointOfCriterion = 80;  // in tables and the report
+    AirField air;
+    if (!survey.criteria.empty())
+      air = AirField::open(*survey.field, survey.criteria, survey.times.front());
+    VOLUTE_TRY(survey.checkMemory(points_.size(),
+                                  kPoint + survey.criteria.size() * kPointOfCriterion +
+                                      survey.sets.size() * SignLoss::kBytesOfSet +
+                                      survey.signs.size() * SignLoss::kBytesOfSign +
+                                      ExposureMeter::bytesOfPerson(air, survey.criteria, true)));
     std::vector<Place> places(points_.size());
     first.places(points_, places);
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -242,8 +251,7 @@ class PointWatch : public Watch {
     for (const SignSet& set : survey.sets) sets.push_back(set.members);
     losses_.emplace(survey.signs, std::move(sets), points_.size());
     if (!survey.criteria.empty())
-      meter_.emplace(AirField::open(*survey.field, survey.criteria, survey.times.front()),
-                     survey.criteria, points_.size());
+      meter_.emplace(std::move(air), survey.criteria, points_.size());
     if (meter_ ? meter_->air().smokeIsLate() : survey.beginsBefore())
       losses_->loseAll();
     return {};
