@@ -468,8 +468,8 @@ class Volumes(support.TestCase):
             support.write_npy(self.path("p.npy"), (1, 13, 13, 13), values)
             self.works("render", self.path("p.npy"), "-o", self.path("p.exr"), "--preset", "smoke", "--size", "24x18", "--extinction", "9")
             brightest.append(self.works("info", self.path("p.exr"), "--json").json["maximum"])
-        self.assertGreater(brightest[1], 0)
-        self.assertAlmostEqual(brightest[1], brightest[0], delta=0.2 * brightest[0])
+        self.assertGreater(brightest[1], 0.3 * brightest[0])
+        self.assertLess(brightest[1], 3 * brightest[0])
 
     def test_what_fills_most_of_a_volume_takes_no_accuracy_from_the_rest(self):
         """A warm ball in air of 300 K, in air of hundredths of a kelvin more or less, and beside what stands for no data."""

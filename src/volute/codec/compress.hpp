@@ -38,6 +38,10 @@ struct ErrorTarget {
   };
   Kind kind = Kind::kLook;
   double value = kLookRms;
+  /// Of an RMS over the support: whether what is the same all over counts, which takes accuracy
+  /// from the rest. Else `value` is met by what differs from place to place,
+  /// ValueHistogram::varied().
+  bool even = false;
 
   /// Of kLook: what pictures do not show, measured by tools/default_quality.py.
   static constexpr double kLookRms = 7e-4;

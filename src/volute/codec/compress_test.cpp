@@ -286,13 +286,13 @@ RC_GTEST_PROP(Compress, NumbersFarFromZeroKeepAnErrorThatFloatsDoNotHold, ()) {
 
 // Found by the property above it: with few values the error goes up and down with the step just
 // above the target, and the finest step is asked for, at which CDF 9/7's scaling coefficient has 30
-// bits.
+// bits. The values that are even around the plumes do not count for the target.
 TEST(Compress, FewValuesFarFromZeroKeepTheirError) {
   for (const auto& [t, z, y, x] : {std::array{10, 7, 13, 2}, std::array{16, 15, 5, 2}}) {
     const Sequence sequence = plumes(t, z, y, x, 1, 100);
     const auto report = checkedRoundTrip(sequence, {Kind::kRms, 5e-3});
     EXPECT_LE(report.relativeRms, 5e-3);
-    EXPECT_LE(report.fileBytes, 1200u);
+    EXPECT_LE(report.fileBytes, 1500u);
   }
 }
 

@@ -288,7 +288,7 @@ void Compressor::settleRange() {
   // What is the same all over is as good as exact, however much there is of it.
   constexpr double kMaxDilution = 256;
   const auto varied = static_cast<double>(histogram_.varied(support_.high - support_.low));
-  if (overSupport && varied > 0)
+  if (overSupport && varied > 0 && !options_.target.even)
     dilution_ = std::clamp(std::sqrt(supportVoxels_ * info_.channels / varied), 1.0, kMaxDilution);
   const double spread = overSupport ? supportVoxels_ / (dilution_ * dilution_) : voxels;
   const double own = std::max(std::abs(support_.low), std::abs(support_.high));

@@ -519,7 +519,8 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
                        return !grids.grids()[i].empty;
                      });
   GridFiles files(grids, chosen, kept, target, how, reading, team);
-  std::vector<ErrorTarget> targets(chosen.size(), sized ? ErrorTarget{Kind::kRms, 1e-2} : wanted);
+  std::vector<ErrorTarget> targets(chosen.size(),
+                                   sized ? ErrorTarget{Kind::kRms, 1e-2, true} : wanted);
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (const auto own = how.rms.find(grids.grids()[chosen[i]].name); own != how.rms.end())
       targets[i] = {how.rmsOverAll ? Kind::kRmsOverAll : Kind::kRms, own->second};

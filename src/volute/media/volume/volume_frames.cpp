@@ -27,7 +27,7 @@ namespace volute {
 namespace {
 
 constexpr double kRounding = 1e-12;
-constexpr float kSolid = 1e30F;  ///< [1/m], of what is written where nothing is known
+constexpr double kSolid = 1e4;  ///< optical depth of a voxel: more is as dark, and no number
 
 /// Of a level set what is inside, with an edge of one voxel.
 Bricks insideOf(const Bricks& distances, double voxel) {
@@ -797,6 +797,8 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
   info.channels = emits ? 4 : 1;
   if (info.basis == Basis::kBox)
     info.basis = Basis::kTrilinear;
+  const auto solid =
+      static_cast<float>(std::clamp(kSolid / info.voxelSize().minCoeff(), kSolid, 1e30));
   // The same bricks, which may be in many places.
   if (!emits && main->channels() == 1) {
     BrickSlice same(*main);
@@ -806,7 +808,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
     for (std::size_t i = 0; i < same.storedBricks(); ++i) {
       float* values = same.brick(static_cast<std::int32_t>(i));
       for (int k = 0; k < BrickSlice::kVoxels; ++k)
-        values[k] = std::clamp(factor * values[k], 0.0F, kSolid);
+        values[k] = std::clamp(factor * values[k], 0.0F, solid);
     }
     same.dropEmpty();
     shadedSlice_ = std::make_shared<const BrickSlice>(std::move(same));
@@ -867,7 +869,7 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
         }
         float sum = 0;
         for (int c = 0; c < channels; ++c) sum += mains[c * kVoxels + i];
-        out[0] = std::clamp(scale * sum, 0.0F, kSolid);
+        out[0] = std::clamp(scale * sum, 0.0F, solid);
         if (!emits)
           continue;
         float sent[3]{};
