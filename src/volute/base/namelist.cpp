@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "volute/base/number_word.hpp"
+#include "volute/base/read_text.hpp"
 
 namespace volute {
 
@@ -22,12 +23,6 @@ constexpr int kMaxRepeats = 10000;
 bool isWordEnd(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == '/' || c == '=' ||
          c == '!' || c == '\'' || c == '"' || c == '(';
-}
-
-std::string_view withoutSpaces(std::string_view text) {
-  constexpr std::string_view kSpaces(" \t\r\n\f\v\0", 7);
-  const std::size_t begin = std::min(text.find_first_not_of(kSpaces), text.size());
-  return text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
 }
 
 class NamelistScanner {
@@ -111,7 +106,7 @@ class NamelistScanner {
         break;
       }
     }
-    return std::string(withoutSpaces(out));
+    return std::string(trimmed(out));
   }
 
   /// "(2)" or "(1:3)" of a key.

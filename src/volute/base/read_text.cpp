@@ -35,4 +35,10 @@ Result<std::string> readText(const std::filesystem::path& path, std::uint64_t mo
   return text;
 }
 
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpaces(" \t\r\n\f\v\0", 7);
+  const std::size_t begin = std::min(text.find_first_not_of(kSpaces), text.size());
+  return text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
+}
+
 }  // namespace volute

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "volute/base/result.hpp"
 
@@ -14,5 +15,8 @@ namespace volute {
 /// `most` bytes; else as InputFile::open() and read().
 [[nodiscard]] Result<std::string> readText(const std::filesystem::path& path,
                                            std::uint64_t most = 16 << 20);
+
+/// Without spaces, ends of lines and zero bytes around it.
+std::string_view trimmed(std::string_view text);
 
 }  // namespace volute

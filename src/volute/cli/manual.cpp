@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "volute/base/read_text.hpp"
 #include "volute/base/version.hpp"
 #include "volute/cli/help.hpp"
 
@@ -39,10 +40,6 @@ std::string groffParagraphs(std::string_view text) {
     begin = end + 2;
   }
   return out;
-}
-
-std::string_view trimmed(std::string_view text) {
-  return text.substr(std::min(text.find_first_not_of(' '), text.size()));
 }
 
 std::string groffOptions(std::span<const Option> options) {

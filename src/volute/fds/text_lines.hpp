@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/result.hpp"
 
 namespace volute {
@@ -45,9 +46,6 @@ class TextLines {
   int lineNumber_ = 0;
   bool endedWithinLine_ = false;
 };
-
-/// Without spaces around it.
-std::string_view trimmed(std::string_view text);
 
 /// The words of a line, which spaces separate.
 std::vector<std::string_view> words(std::string_view text);

@@ -15,6 +15,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/lower_case.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/math/vec.hpp"
 
@@ -27,13 +28,6 @@ struct Pair {
   std::string_view value;
   int line = 0;  ///< of the code
 };
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r";
-  const auto begin = std::min(text.find_first_not_of(kSpace), text.size());
-  text.remove_prefix(begin);
-  return text.substr(0, text.find_last_not_of(kSpace) + 1);
-}
 
 /// What the values of an entity are, codes in the order of the file.
 class Entity {

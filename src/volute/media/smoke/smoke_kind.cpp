@@ -268,18 +268,17 @@ std::shared_ptr<const MediumSnapshot> SmokeSnapshot::litBy(const MediaLight& oth
   auto lit = std::make_shared<SmokeSnapshot>(state_, factor_, lighting_, walls_);
   std::vector<std::vector<float>>& shares = lit->state_.lampShares;
   const LampPaths paths(state_.locator);
-  shares.resize(light.lamps.size());
-  lit->state_.lampMeans.assign(light.lamps.size(), {});
-  parallelFor(light.lamps.size(), [&](std::size_t l) {  // parts of each are for one thread
+  lit->state_.lampMeans.clear();
+  for (std::size_t l = 0; l < light.lamps.size(); ++l) {
     if (l >= own)
-      shares[l] = paths.shares(state_.extinction, light.lamps[l]);
+      shares.push_back(paths.shares(state_.extinction, light.lamps[l]));
     arriving.takeFrom(l, mesh.vertices(), shares[l], l >= own);  // from its own they have taken
-    lit->state_.lampMeans[l] =
+    lit->state_.lampMeans.push_back(
         paths.means(state_.extinction, light.lamps[l], shares[l],
                     [&](std::span<const Vec3> points, std::span<float> there) {
                       arriving.takeFrom(l, points, there);
-                    });
-  });
+                    }));
+  }
   lit->state_.source.clear();
   lit->light(light);
   shares = state_.lampShares;

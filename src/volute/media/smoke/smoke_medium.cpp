@@ -13,7 +13,6 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/gather_values.hpp"
-#include "volute/base/parallel.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/lighting/share_fit.hpp"
@@ -432,65 +431,44 @@ std::string SmokeMedium::lightKey(const Step& step, const Lamp& lamp) const {
   return hash.digits();
 }
 
-std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) const {
-  const LampPaths& paths = *step.stored->paths;
-  std::vector<float> both = paths.shares(step.extinction, lamp);
-  const TetMesh& mesh = *step.stored->frame.mesh;
-  const ArrivingLight arriving({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds());
-  arriving.takeFrom(0, mesh.vertices(), both);
-  const auto means = paths.means(step.extinction, lamp, both,
-                                 [&](std::span<const Vec3> points, std::span<float> shares) {
-                                   arriving.takeFrom(0, points, shares);
-                                 });
-  both.insert(both.end(), means.begin(), means.end());
-  return both;
-}
-
-/// Of each lamp the shares, then the means.
-std::vector<std::vector<float>> SmokeMedium::lightsOf(const Step& step) {
-  const std::span<const Lamp> lamps = lighting_->lights.lamps;
+std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
   const LightCache* const cache = lighting_->cache.get();
   LightMemory* const memory = lighting_->memory.get();
-  std::vector<std::vector<float>> lights(lamps.size());
-  std::vector<std::string> keys(lamps.size());
-  std::vector<std::size_t> missing;
-  for (std::size_t i = 0; i < lamps.size(); ++i) {
-    keys[i] = cache || memory ? lightKey(step, lamps[i]) : "";
-    std::optional<std::vector<float>> kept;
-    if (memory)
-      kept = memory->find(keys[i]);
-    if (!kept && cache)
-      kept = cache->find(keys[i], 2 * step.extinction.size());
-    if (kept)
-      lights[i] = std::move(*kept), ++counts_.lightsReused;
-    else
-      missing.push_back(i);
+  const std::string key = cache || memory ? lightKey(step, lamp) : "";
+  std::optional<std::vector<float>> kept;
+  if (memory)
+    kept = memory->find(key);
+  if (!kept && cache)
+    kept = cache->find(key, 2 * step.extinction.size());
+  if (kept) {
+    ++counts_.lightsReused;
+  } else {
+    const LampPaths& paths = *step.stored->paths;
+    kept = paths.shares(step.extinction, lamp);
+    const TetMesh& mesh = *step.stored->frame.mesh;
+    const ArrivingLight arriving({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds());
+    arriving.takeFrom(0, mesh.vertices(), *kept);
+    const auto means = paths.means(step.extinction, lamp, *kept,
+                                   [&](std::span<const Vec3> points, std::span<float> shares) {
+                                     arriving.takeFrom(0, points, shares);
+                                   });
+    kept->insert(kept->end(), means.begin(), means.end());
+    ++counts_.lightsComputed;
+    if (cache && fillsCache_) {
+      if (const auto stored = cache->store(key, *kept); !stored)
+        progress_->remark("light is not kept: " + stored.error().message);
+    }
   }
-  // Parts of each are for one thread.
-  parallelFor(missing.size(),
-              [&](std::size_t i) { lights[missing[i]] = lightOf(step, lamps[missing[i]]); });
-  counts_.lightsComputed += missing.size();
-  for (const std::size_t i : missing) {
-    if (!cache || !fillsCache_)
-      break;
-    if (const auto stored = cache->store(keys[i], lights[i]); !stored)
-      progress_->remark("light is not kept: " + stored.error().message);
-  }
-  for (std::size_t i = 0; memory && i < lamps.size(); ++i) memory->store(keys[i], lights[i]);
-  return lights;
+  if (memory)
+    memory->store(key, *kept);
+  return std::move(*kept);
 }
 
 Status SmokeMedium::light(Step& step) {
   const Stopwatch watch(counts_.lightMilliseconds);
-  std::vector<std::vector<float>> lights;
-  if (!team_)
-    lights = lightsOf(step);
   for (const Lamp& lamp : lighting_->lights.lamps) {
-    if (!team_)
-      break;
-    VOLUTE_ASSIGN(lights.emplace_back(), sharedLightOf(step, lamp));
-  }
-  for (const std::vector<float>& both : lights) {
+    VOLUTE_ASSIGN(const auto both, team_ ? sharedLightOf(step, lamp)
+                                         : Result<std::vector<float>>(lightOf(step, lamp)));
     const auto middle = both.begin() + static_cast<std::ptrdiff_t>(both.size() / 2);
     step.lampShares.emplace_back(both.begin(), middle);
     step.lampMeans.emplace_back(middle, both.end());

@@ -250,8 +250,7 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   WallInterval wallsBetween(const std::shared_ptr<const Step>& from,
                             const std::shared_ptr<const Step>& to);
   /// lampShares and, behind them, lampMeans.
-  std::vector<float> lightOf(const Step& step, const Lamp& lamp) const;
-  std::vector<std::vector<float>> lightsOf(const Step& step);
+  std::vector<float> lightOf(const Step& step, const Lamp& lamp);
   [[nodiscard]] Result<std::vector<float>> sharedLightOf(const Step& step, const Lamp& lamp);
   std::string lightKey(const Step& step, const Lamp& lamp) const;
   [[nodiscard]] Status checkShare(const Stored& stored) const;
