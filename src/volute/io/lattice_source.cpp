@@ -127,11 +127,16 @@ Result<ReaderProcess::Serve> makeServe(std::string_view parameters) {
   };
 }
 
+/// Their libraries have tens of thousands of symbols.
+ReaderJob jobWith(LoadLatticePlugin loadPlugin, ReaderJob::Make make) {
+  ReaderJob job{make, toMessage(loadPlugin)};
+  job.prepare =
+      loadPlugin == loadVdbPlugin ? [] { (void)loadVdbPlugin(); } : [] { (void)loadVtkPlugin(); };
+  return job;
+}
+
 ReaderJob readerOf(const std::vector<LatticeFile>& files, LoadLatticePlugin loadPlugin) {
-  ReaderJob job{makeServe, toMessage(loadPlugin)};
-  // Its libraries have tens of thousands of symbols.
-  if (loadPlugin == loadVdbPlugin)
-    job.prepare = [] { (void)loadVdbPlugin(); };
+  ReaderJob job = jobWith(loadPlugin, makeServe);
   for (const LatticeFile& file : files) job.readable.push_back(file.path);
   return job;
 }
@@ -948,7 +953,9 @@ Result<std::vector<TimedFile>> readCollection(const std::filesystem::path& colle
                                               Result<const LatticePlugin*> (*loadPlugin)()) {
   const std::string name = collection.string();
   VOLUTE_TRY(InputFile::check(collection));
-  ReaderProcess process(ReaderJob{serveCollection, toMessage(loadPlugin), {collection}});
+  ReaderJob job = jobWith(loadPlugin, serveCollection);
+  job.readable = {collection};
+  ReaderProcess process(std::move(job));
   VOLUTE_ASSIGN(const std::string reply, process.call(name, name, 0, limitsFor(collection, 0, 0)));
   return detail::decodeFiles(reply, name);
 }
