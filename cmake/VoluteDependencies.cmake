@@ -2,7 +2,7 @@
 # VTK comes first: it brings its own HDF5 targets.
 set(VOLUTE_DEPS_DIR "" CACHE PATH "A folder with libraries that the machine lacks (tools/fetch_libraries.sh)")
 if(VOLUTE_WITH_VTK)
-  set(vtkParts CommonCore CommonDataModel CommonExecutionModel FiltersCore IOEnSight IOExodus IOGeometry IOLegacy IOXML IOXMLParser)
+  set(vtkParts CommonCore CommonDataModel CommonExecutionModel FiltersCore IOEnSight IOExodus IOGeometry IOLegacy IOXML IOXMLParser netcdf)
   if(VOLUTE_BENCH AND VOLUTE_WITH_GL)
     list(APPEND vtkParts RenderingCore RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2)
   endif()

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
-// Writes the Exodus file that mesh_cases_test.cpp reads: two hexahedra, two instants.
+// Writes the Exodus file that mesh_cases_test.cpp reads: two hexahedra, two instants. With a value
+// after its name, that is the smoke's _FillValue, and all that stands at the second instant.
 #include <vtkDoubleArray.h>
 #include <vtkExodusIIWriter.h>
 #include <vtkInformation.h>
@@ -11,6 +12,10 @@
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkUnstructuredGrid.h>
 #include <vtkUnstructuredGridAlgorithm.h>
+#include <vtk_netcdf.h>
+
+#include <cstdlib>
+#include <vector>
 
 namespace {
 
@@ -63,15 +68,29 @@ class Box final : public vtkUnstructuredGridAlgorithm {
 
 vtkStandardNewMacro(Box)
 
+    bool fillSecond(const char* path, double fill) {
+  constexpr std::size_t kPoints = 12;
+  const std::size_t begin[] = {1, 0}, size[] = {1, kPoints};
+  const std::vector<double> values(kPoints, fill);
+  int file = 0, variable = 0;
+  return nc_open(path, NC_WRITE, &file) == NC_NOERR && nc_redef(file) == NC_NOERR &&
+         nc_inq_varid(file, "vals_nod_var1", &variable) == NC_NOERR &&
+         nc_put_att_double(file, variable, "_FillValue", NC_DOUBLE, 1, &fill) == NC_NOERR &&
+         nc_enddef(file) == NC_NOERR &&
+         nc_put_vara_double(file, variable, begin, size, values.data()) == NC_NOERR &&
+         nc_close(file) == NC_NOERR;
+}
+
 }  // namespace
 
 int main(int count, char** arguments) {
-  if (count != 2)
+  if (count < 2)
     return 2;
   vtkNew<Box> box;
   vtkNew<vtkExodusIIWriter> writer;
   writer->SetFileName(arguments[1]);
   writer->SetInputConnection(box->GetOutputPort());
   writer->WriteAllTimeStepsOn();
-  return writer->Write() ? 0 : 1;
+  const bool written = writer->Write() != 0;
+  return written && (count < 3 || fillSecond(arguments[1], std::atof(arguments[2]))) ? 0 : 1;
 }

@@ -24,9 +24,11 @@ using namespace testing;
 #if VOLUTE_HAS_VTK
 
 /// Of netCDF's classic format, or with HDF5 inside.
-void writeExodus(const std::filesystem::path& folder, bool hdf5 = false) {
-  ASSERT_EQ(std::system(fmt::format("{} {} {} 2> /dev/null", hdf5 ? "EXODUS_NETCDF4=1" : "",
-                                    VOLUTE_EXODUS_MAKER, (folder / "box.e").string())
+/// @param fill  the smoke's _FillValue, of which the second instant is; empty: it has none
+void writeExodus(const std::filesystem::path& folder, bool hdf5 = false,
+                 const std::string& fill = "") {
+  ASSERT_EQ(std::system(fmt::format("{} {} {} {} 2> /dev/null", hdf5 ? "EXODUS_NETCDF4=1" : "",
+                                    VOLUTE_EXODUS_MAKER, (folder / "box.e").string(), fill)
                             .c_str()),
             0);
   ASSERT_EQ(readBytes(folder / "box.e").substr(0, 3), hdf5 ? "\x89HD" : "CDF");
@@ -109,6 +111,22 @@ TEST(MeshCases, RecordsThatWereNeverWrittenAreNoData) {
   ASSERT_VALUE(auto open, MeshSource::open(folder / "box.e", {.field = "smoke"}));
   EXPECT_THAT(open.times(), ElementsAre(10));
   EXPECT_THAT(open.absentText(), HasSubstr("left out: unknown"));
+}
+
+TEST(MeshCases, AFieldsOwnFillValueIsNoData) {
+  for (const std::string fill : {"-999", "1e30", "nan"}) {
+    const TempFolder folder;
+    writeExodus(folder.path(), false, fill);
+    ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+    EXPECT_THAT(source.times(), ElementsAre(10)) << fill;
+    EXPECT_THAT(source.absentText(), HasSubstr("1 of 2 times, which are left out: 20 s"));
+    ASSERT_VALUE(const auto frame, source.read(0));
+    expectSmoke(frame, 0);
+  }
+  const TempFolder folder;
+  writeExodus(folder.path(), false, "1");  // of four points at the first instant, too
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+  EXPECT_THAT(source.read(0).error().message, HasSubstr("at 10 s 4 of 12 values"));
 }
 
 TEST(MeshCases, AFirstRecordThatWasNeverWrittenIsLeftOut) {

@@ -32,6 +32,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/lower_case.hpp"
 #include "volute/io/ensight_files.hpp"
+#include "volute/io/exodus_fill.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/vtk_errors.hpp"
@@ -414,6 +415,10 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t f
   VOLUTE_TRY(statusOfCase(watch, path));
   VOLUTE_TRY(refuseStructured(reader->GetOutputDataObject(0), file));
   const auto grids = volumesOf(reader->GetOutputDataObject(0));
+  if (vtkExodusIIReader::SafeDownCast(reader)) {
+    const auto fills = exodusFills(path);
+    for (vtkUnstructuredGrid* grid : grids) settleFills(fills, *grid);
+  }
   VOLUTE_TRY(join(grids, file, watch, volume));
   return volume;
 }
