@@ -45,9 +45,9 @@ NameAndUnit splitName(std::string_view field) {
   return split;
 }
 
-bool isNumber(std::string_view field) {
+bool isNumber(std::string_view field, char separator) {
   double value = 0;
-  return readNumber(field, value);  // infinities and NaN too
+  return readNumber(withPoint(field, separator), value);  // infinities and NaN too
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ bool TableReader::holdsUnits() const {
     if (!has(i) || columns_[i].text)
       continue;
     const std::string_view field = text(i);
-    if (isNumber(field) || !isUnit(field))
+    if (isNumber(field, separator_) || !isUnit(field))
       return false;
     any = any || !field.empty();
   }
@@ -180,7 +180,8 @@ Result<bool> TableReader::take(std::string_view line) {
       return false;
     separator_ = rules_.blanks ? '\0' : separatorOf(line);
     fields_ = fieldsOf(line, separator_);
-    if (std::ranges::none_of(fields_, isNumber)) {
+    if (std::ranges::none_of(fields_,
+                             [&](std::string_view field) { return isNumber(field, separator_); })) {
       VOLUTE_TRY(takeNames(line));
       return false;
     }
@@ -225,7 +226,8 @@ Result<bool> TableReader::take(std::string_view line) {
 
 Result<double> TableReader::number(std::size_t column) const {
   const std::string_view field = text(column);
-  const auto value = rules_.own ? finiteNumber(field) : fortranNumber(field);
+  const std::string point = withPoint(field, separator_);
+  const auto value = rules_.own ? finiteNumber(point) : fortranNumber(point);
   if (value)
     return changes_[column](*value);
   const TableColumn& one = columns_[column];

@@ -89,6 +89,17 @@ inline std::optional<double> fortranNumber(std::string_view text) {
   return finiteNumber(plus == number.npos ? number : number.erase(plus + 1, 1));
 }
 
+/// With a decimal comma, where commas do not separate: 1,5;2,5 is what spreadsheets of many
+/// countries write. Other text as it is.
+inline std::string withPoint(std::string_view field, char separator) {
+  std::string text(field);
+  const std::size_t comma = text.find(',');
+  if ((separator == ';' || separator == '\t') && comma != text.npos &&
+      text.find_first_of(",.", comma + 1) == text.npos && text.find('.') == text.npos)
+    text[comma] = '.';
+  return text;
+}
+
 /// Calls visit(line, number) until it fails; lines are trimmed and numbered from 1.
 template <class Visit>
 Status forEachRow(std::string_view text, Visit&& visit) {

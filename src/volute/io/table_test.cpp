@@ -137,6 +137,14 @@ TEST(Tables, WithoutNamesHaveTheFirstColumns) {
   EXPECT_THAT(refusal("x,t\n1,2\n1\n"), HasSubstr("is a value missing"));
 }
 
+TEST(Tables, HaveDecimalCommasWhereOthersSeparate) {
+  EXPECT_THAT(rowsOf("x;t\n1,5;-2,25e1\n")->values[0], ElementsAre(1.5, -22.5));
+  EXPECT_THAT(rowsOf("x\tt\nm\ts\n1,5\t2.5\n")->values[0], ElementsAre(1.5, 2.5));
+  EXPECT_THAT(rowsOf("1,5;2\n", {.unnamed = {1, 3}})->values[0], ElementsAre(1.5, 2));
+  EXPECT_THAT(refusal("x;t\n1,500.2;2\n"), HasSubstr("x is '1,500.2'; expected a number"));
+  EXPECT_THAT(refusal("x;t\n1,500,2;2\n"), HasSubstr("x is '1,500,2'; expected a number"));
+}
+
 TEST(Tables, AreUtf8OrLatin1) {
   TableReader table("t.csv", {{"x", "m"}, {"name", "", {}, true}}, {});
   EXPECT_FALSE(table.take("x,name").value());

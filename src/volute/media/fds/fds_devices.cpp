@@ -125,11 +125,7 @@ class CurveReader {
   }
 
   std::optional<double> valueOf(std::string_view cell) const {
-    if (separator_ == ',')
-      return fortranNumber(cell);
-    std::string point(cell);
-    std::ranges::replace(point, ',', '.');
-    return fortranNumber(point);
+    return fortranNumber(withPoint(cell, separator_));
   }
 
   void take(std::string_view line, int number) {
