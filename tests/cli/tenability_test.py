@@ -1111,6 +1111,14 @@ class Sweep(Cases):
         text = self.path("signs.json").read_text().replace("[20, 2, 2]", "[20, 2, 1.5]")
         self.path("signs.json").write_text(text)
         self.assertEqual(self.sweep(study)[0]["done"], 4)
+        # So is what a case consists of.
+        path = self.path("cases") / "a_1_2.sf"
+        data = bytearray(path.read_bytes())
+        data[-10] ^= 1
+        path.write_bytes(data)
+        out = self.sweep(study)[0]
+        self.assertEqual((out["done"], out["kept"]), (2, 2))
+        self.assertEqual(self.sweep(study)[0]["kept"], 4)
 
     def test_a_run_that_fails_has_a_sentence_and_the_others_go_on(self):
         study = self.study(cases=["cases", "nowhere.smv", {"case": "cases/a.smv", "name": "coarse", "options": {"step": 2}}],

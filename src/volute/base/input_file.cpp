@@ -63,6 +63,7 @@ Result<InputFile> InputFile::open(const std::filesystem::path& path) {
   // Without O_NONBLOCK a pipe that nobody writes to is waited for, and so are some devices. Regular
   // files do not know it.
   constexpr int kHow = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+  noteReadName(path);
   int descriptor = ::open(path.c_str(), kHow);
   if (descriptor < 0 && errno == EMFILE && allowMoreFiles())
     descriptor = ::open(path.c_str(), kHow);

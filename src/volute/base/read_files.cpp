@@ -16,6 +16,8 @@ struct ReadFiles {
   std::mutex mutex;
   std::set<std::pair<dev_t, ino_t>> read;
   std::vector<std::filesystem::path> targets;
+  bool keepsNames = false;
+  std::set<std::filesystem::path> names;
 };
 
 ReadFiles& readFiles() {
@@ -29,6 +31,32 @@ void noteRead(dev_t device, ino_t number) {
   ReadFiles& files = readFiles();
   const std::scoped_lock lock(files.mutex);
   files.read.emplace(device, number);
+}
+
+void noteReadName(const std::filesystem::path& path) {
+  ReadFiles& files = readFiles();
+  const std::scoped_lock lock(files.mutex);
+  if (files.keepsNames)
+    files.names.insert(path);
+}
+
+ReadNames::ReadNames() {
+  ReadFiles& files = readFiles();
+  const std::scoped_lock lock(files.mutex);
+  files.keepsNames = true;
+}
+
+ReadNames::~ReadNames() {
+  ReadFiles& files = readFiles();
+  const std::scoped_lock lock(files.mutex);
+  files.keepsNames = false;
+  files.names.clear();
+}
+
+std::vector<std::filesystem::path> ReadNames::names() const {
+  ReadFiles& files = readFiles();
+  const std::scoped_lock lock(files.mutex);
+  return {files.names.begin(), files.names.end()};
 }
 
 void protectWhatIsRead(std::vector<std::filesystem::path> targets) {

@@ -15,6 +15,22 @@ namespace volute {
 /// InputFile notes each file that it opens.
 void noteRead(dev_t device, ino_t number);
 
+/// The same of a name that is asked for, whether it is there or not, and of folders that somebody
+/// reads.
+void noteReadName(const std::filesystem::path& path);
+
+/// Keeps the names that are noted while it exists. One at a time.
+class ReadNames {
+ public:
+  ReadNames();
+  ~ReadNames();
+  ReadNames(const ReadNames&) = delete;
+  ReadNames& operator=(const ReadNames&) = delete;
+
+  /// So far, each once, as they are sorted.
+  std::vector<std::filesystem::path> names() const;
+};
+
 /// From now on PendingFile::commit() replaces none of these that has been read; it is refused with
 /// kInvalidArgument.
 void protectWhatIsRead(std::vector<std::filesystem::path> targets);

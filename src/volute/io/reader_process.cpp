@@ -19,6 +19,7 @@
 #include <fstream>
 
 #include "volute/base/packed_error.hpp"
+#include "volute/base/read_files.hpp"
 #include "volute/io/reader_child.hpp"
 #include "volute/io/reader_helper.hpp"
 #include "volute/io/reader_message.hpp"
@@ -213,6 +214,7 @@ Status ReaderProcess::reserve(const std::string& file, std::size_t valueCount) {
 }
 
 Status ReaderProcess::start(const std::string& file, std::uint64_t memory) {
+  for (const auto& path : job_.readable) noteReadName(path);
   const auto cannot = [&] {
     return fail(ErrorCode::kIo, "{}: cannot start a process to read it: {}", file,
                 std::strerror(errno));

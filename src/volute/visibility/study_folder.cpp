@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "volute/base/read_files.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
@@ -16,25 +18,49 @@
 namespace volute {
 namespace {
 
-/// What a run's result depends on: options, and the index and the signs as they are now.
+/// What is asked of a run.
 std::string keyOf(const StudyRun& run) {
   std::string key = fmt::format("{} {}", VOLUTE_VERSION, run.casePath);
-  const auto stamp = [&](const std::string& file) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
+  for (const std::string& word : run.words) key += " " + word;
+  return key + "\n";
+}
+
+/// A file as it is now: its size and when it was written; -1: it is not there. Of a folder all that
+/// is below it.
+std::string stampOf(const std::filesystem::path& path) {
+  std::error_code error;
+  std::int64_t size = -1, time = std::numeric_limits<std::int64_t>::min();
+  const auto add = [&](const std::filesystem::path& file) {
+    const auto bytes = std::filesystem::file_size(file, error);
+    const auto written = std::filesystem::last_write_time(file, error);
     if (error)
       return;
-    const auto time = std::filesystem::last_write_time(file, error).time_since_epoch().count();
-    key += fmt::format(" {} {} {}", file, size, time);
+    size = std::max(size, std::int64_t{0}) + static_cast<std::int64_t>(bytes);
+    time = std::max<std::int64_t>(time, written.time_since_epoch().count());
   };
-  stamp(run.casePath);
-  for (const std::string& word : run.words) {
-    key += " " + word;
-    const std::size_t equals = word.find('=');
-    if (equals != word.npos)
-      stamp(word.substr(equals + 1));
+  if (std::filesystem::is_directory(path, error)) {
+    for (std::filesystem::recursive_directory_iterator entry(path, error), end;
+         !error && entry != end; entry.increment(error)) {
+      if (entry->is_regular_file(error))
+        add(entry->path());
+    }
+  } else {
+    add(path);
   }
-  return key + "\n";
+  return fmt::format("{} {} {}\n", size, time, path.string());
+}
+
+/// Whether all that a run has read is as it was.
+bool isUnchanged(std::string_view stamps) {
+  while (!stamps.empty()) {
+    const std::string_view line = stamps.substr(0, stamps.find('\n') + 1);
+    const std::size_t name = line.find(' ', line.find(' ') + 1);
+    if (line.empty() || name == line.npos ||
+        stampOf(line.substr(name + 1, line.size() - name - 2)) != line)
+      return false;
+    stamps.remove_prefix(line.size());
+  }
+  return true;
 }
 
 bool isDone(const std::filesystem::path& folder, const std::filesystem::path& keyFile,
@@ -42,8 +68,9 @@ bool isDone(const std::filesystem::path& folder, const std::filesystem::path& ke
   std::error_code error;
   if (!std::filesystem::exists(folder / "visibility.json", error))
     return false;
-  const auto text = readText(keyFile, key.size());
-  return text && *text == key;
+  const auto text = readText(keyFile);
+  return text && text->starts_with(key) && text->size() > key.size() &&
+         isUnchanged(std::string_view(*text).substr(key.size()));
 }
 
 StudyRunState stateOf(const StudyRun& run, const std::filesystem::path& folder) {
@@ -89,6 +116,7 @@ class StudyPass {
       ++kept_;
       return {};
     }
+    const ReadNames read;
     const auto status = survey_(run, folder_ / run.name);
     if (!status && status.error().code == ErrorCode::kCancelled)
       return status;
@@ -98,7 +126,9 @@ class StudyPass {
       return writeFile(keyFile, "failed: " + status.error().message + "\n");
     }
     ++done_;
-    return writeFile(keyFile, key);
+    std::string stamps;
+    for (const auto& path : read.names()) stamps += stampOf(std::filesystem::absolute(path));
+    return writeFile(keyFile, key + stamps);
   }
 
   /// Of all ranks; tells of runs that failed. Collective.
