@@ -239,6 +239,14 @@ class Fds(support.TestCase):
         info = self.works("info", self.path("x.exr"), "--json").json
         self.assertAlmostEqual(info["maximum"], math.exp(-2) + 0.5 * (1 - math.exp(-2)), delta=1e-6)
 
+    def test_a_clock_of_a_scene_is_for_pictures(self):
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [2, 0.5, 0.5], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text("x,y,z\n1.2,0.5,0.5\n")
+        for time in ({"offset": 5}, {"rate": 2}, {"loop": True}):
+            self.path("scene.json").write_text(json.dumps({"format": "volute-scene-2", "media": [{"kind": "smoke", "case": "case.smv", "time": time}]}))
+            self.assertIn("/media/0/time: is for pictures", self.fails(2, "visibility", self.path("scene.json"), "--signs", self.path("signs.json"),
+                                                                       "--eyes", self.path("eyes.csv"), "-o", self.path("out")))
+
     def add_slice(self, *more, **named):
         add_slice(self.path, self.case, *more, **named)
 

@@ -24,6 +24,14 @@ const FieldTable& clockFields() {
   return kTable;
 }
 
+Status checkOwnTimes(const Clock& clock, const FieldOrigin& origin) {
+  if (clock == Clock())
+    return {};
+  return failIn(origin.file, origin.path + "/time", ErrorCode::kInvalidArgument,
+                "is for pictures: sight lines and verdicts are of the case's own times; leave it "
+                "out, and shift the times of people instead");
+}
+
 void addClock(ParameterGroup& group, const void* clock, const MediumFacts& facts) {
   if (facts.frames < 2)
     return;

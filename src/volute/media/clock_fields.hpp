@@ -14,6 +14,9 @@ const FieldTable& clockFields();
 template <auto... path>
 FieldRow clockField();
 
+/// For sight lines, which are of a case's own times: kInvalidArgument for a medium with others.
+[[nodiscard]] Status checkOwnTimes(const Clock& clock, const FieldOrigin& origin);
+
 /// Its sliders, where there is more than one frame.
 void addClock(ParameterGroup& group, const void* clock, const MediumFacts& facts);
 

@@ -48,9 +48,9 @@ std::string RaySight::description() const {
   return fmt::format("{}: {}, along rays", medium_->info().file, medium_->info().what);
 }
 
-Result<std::shared_ptr<const SightSnapshot>> RaySight::readOwn(std::size_t time) {
+Result<std::shared_ptr<const SightSnapshot>> RaySight::readOwnAt(double time) {
   Progress quiet;
-  VOLUTE_ASSIGN(const auto now, medium_->at({.time = medium_->info().times[time]}, quiet));
+  VOLUTE_ASSIGN(const auto now, medium_->at({.time = time}, quiet));
   std::vector<AnyMedium> media;
   now->addMedia(media);
   return sightThrough(std::move(media));

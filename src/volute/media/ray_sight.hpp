@@ -25,10 +25,16 @@ class RaySight final : public SightField {
 
   bool clearBeyond() const override { return true; }
 
+  bool interpolates() const override { return medium_->info().moves; }
+
  protected:
   Box3 ownBounds() const override { return medium_->info().bounds; }
 
-  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override;
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
+    return readOwnAt(medium_->info().times[time]);
+  }
+
+  [[nodiscard]] Result<std::shared_ptr<const SightSnapshot>> readOwnAt(double time) override;
 
  private:
   std::shared_ptr<SceneMedium> medium_;

@@ -227,7 +227,7 @@ class SceneSight final : public SightField {
     sight->remarks_ = hidingNothing(scene);
     for (const auto& medium : scene.media()) {
       VOLUTE_ASSIGN(auto field, medium->sight(reading));
-      sight->fields_.push_back({std::move(field), nullptr});
+      sight->fields_.push_back({std::move(field), nullptr, medium->info().moves});
     }
     VOLUTE_TRY(sight->setTimes(scene.path()));
     return sight;
@@ -341,12 +341,13 @@ class SceneSight final : public SightField {
     std::vector<Part> parts;
     for (Field& one : fields_) {
       auto& still = one.still;
-      if (!one.moves() && !still) {
+      if (!one.moves() && !one.blows && !still) {
         VOLUTE_ASSIGN(still, one.sight->read(0));
       }
       auto own = still;
       if (!own) {
-        VOLUTE_ASSIGN(own, one.sight->read(placeOf(*one.sight, times_[time])));
+        VOLUTE_ASSIGN(own, one.blows ? one.sight->readAt(times_[time])
+                                     : one.sight->read(placeOf(*one.sight, times_[time])));
       }
       parts.push_back({std::move(own), one.sight->bounds(), one.sight->clearBeyond()});
     }
@@ -357,6 +358,7 @@ class SceneSight final : public SightField {
   struct Field {
     std::unique_ptr<SightField> sight;
     std::shared_ptr<const SightSnapshot> still;  ///< of one that does not move
+    bool blows = false;                          ///< as MediumInfo::moves
 
     bool moves() const { return sight->times().size() > 1; }
   };
@@ -426,6 +428,15 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
     for (Remark& remark : hidingNothing(scene))
       scene.media()[0]->remarks.push_back(std::move(remark));
     VOLUTE_ASSIGN(field, scene.media()[0]->sight(reading));
+    const MediumInfo& info = scene.media()[0]->info();
+    if (info.moves && info.times.size() == 1) {
+      progress.remark(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: its wind is for pictures: nothing else is stored over "
+                             "time, and sight lines see the map as it is at {:g} s",
+                             scene.path(), info.times.front()))
+              .in(scene.path(), "/media/0/wind"));
+    }
   } else {
     VOLUTE_ASSIGN(field, SceneSight::make(scene, reading));
   }

@@ -127,7 +127,11 @@ class Slab final : public SightField {
   Box3 ownBounds() const override { return bounds_; }
 
   Result<std::shared_ptr<const SightSnapshot>> readOwn(std::size_t time) override {
-    return std::make_shared<const Snapshot>(bounds_, 0.1 * times_[time]);
+    return readOwnAt(times_[time]);
+  }
+
+  Result<std::shared_ptr<const SightSnapshot>> readOwnAt(double time) override {
+    return std::make_shared<const Snapshot>(bounds_, 0.1 * time);
   }
 
  private:
@@ -169,8 +173,9 @@ class Slab final : public SightField {
 
 class SlabMedium final : public SceneMedium {
  public:
-  SlabMedium(double x, std::vector<double> times) : x_(x), times_(std::move(times)) {
+  SlabMedium(double x, std::vector<double> times, bool moves) : x_(x), times_(std::move(times)) {
     info_.bounds = {{x, 0, 0}, {x + 1, 1, 1}};
+    info_.moves = moves;
   }
 
   Result<std::shared_ptr<const MediumSnapshot>> at(const SnapshotRequest&, Progress&) override {
@@ -195,7 +200,8 @@ class SlabKind final : public MediumKind {
 
   Result<std::shared_ptr<SceneMedium>> open(const nlohmann::json& entry,
                                             MediumContext&) const override {
-    return std::make_shared<SlabMedium>(entry.at("x"), entry.at("times"));
+    return std::make_shared<SlabMedium>(entry.at("x"), entry.at("times"),
+                                        entry.value("moves", false));
   }
 };
 
@@ -258,6 +264,20 @@ TEST_F(SightOfSeveral, NeedsTimesInCommon) {
                                         {"kind": "slab", "x": 1, "times": [3, 7]}])");
   ASSERT_FALSE(opened);
   EXPECT_THAT(opened.error().message, HasSubstr("no time is stored by all of its media"));
+}
+
+TEST_F(SightOfSeveral, SeesWhatTheWindMovesAtEachTime) {
+  const auto opened = open(R"("media": [{"kind": "slab", "x": 0, "times": [0, 10, 20]},
+                                        {"kind": "slab", "x": 1, "times": [0], "moves": true}])");
+  ASSERT_TRUE(opened) << opened.error().message;
+  for (std::size_t time : {0, 1, 2}) {
+    EXPECT_NEAR(look(**opened, time, {0, 0.5, 0.5}, {2, 0.5, 0.5}).depth,
+                2.0 * static_cast<double>(time), 1e-9);
+  }
+  const auto alone = open(R"("media": [{"kind": "slab", "x": 1, "times": [0], "moves": true}])");
+  ASSERT_TRUE(alone) << alone.error().message;
+  EXPECT_THAT(log_.remarks(), ElementsAre(::testing::Field(
+                                  &Remark::sentence, HasSubstr("see the map as it is at 0 s"))));
 }
 
 TEST_F(SightOfSeveral, IsNotClipped) {

@@ -16,6 +16,7 @@
 #include "volute/base/gather_values.hpp"
 #include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/media/clock_fields.hpp"
 #include "volute/media/fds/fds_probe.hpp"
 #include "volute/media/fds/fds_shares.hpp"
 #include "volute/media/fds/fds_sight.hpp"
@@ -330,6 +331,7 @@ Result<std::unique_ptr<SightField>> FdsMedium::sight(Reading& reading) {
     return failIn(origin.file, origin.path + "/scale", ErrorCode::kInvalidArgument,
                   "is for meshes: the files of an FDS case say what they hold");
   }
+  VOLUTE_TRY(checkOwnTimes(description_.clock, description_.origin));
   FdsOptions options = optionsOf(description_, reading.maxMemory);
   options.partly = true;
   VOLUTE_ASSIGN(auto files, FdsCase::open(case_->index(), options, case_.get()));

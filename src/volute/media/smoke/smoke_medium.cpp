@@ -16,6 +16,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/lighting/share_fit.hpp"
+#include "volute/media/clock_fields.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/smoke/mesh_probe.hpp"
 #include "volute/media/smoke/mesh_sight.hpp"
@@ -224,6 +225,7 @@ Result<std::unique_ptr<SightField>> SmokeMedium::sight(Reading& reading) {
                   "is of a visibility field, and this holds {}; a sign's C stands with the sign",
                   nameOf(description_.model.quantity));
   }
+  VOLUTE_TRY(checkOwnTimes(description_.clock, description_.origin));
   VOLUTE_ASSIGN(auto air, parseMeshAir(description_.airFields));
   auto self = std::static_pointer_cast<SmokeMedium>(shared_from_this());
   return std::make_unique<MeshSight>(std::move(self), std::move(air));
