@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Writes the Exodus file that mesh_cases_test.cpp reads: two hexahedra, two instants. With a value
-// after its name, that is the smoke's _FillValue, and all that stands at the second instant.
+// after its name, that is the smoke's _FillValue, and all that stands at the second instant; with
+// another word, a vector has that name, 10 along x.
 #include <vtkDoubleArray.h>
 #include <vtkExodusIIWriter.h>
 #include <vtkInformation.h>
@@ -23,6 +24,8 @@ namespace {
 class Box final : public vtkUnstructuredGridAlgorithm {
  public:
   static Box* New();
+
+  const char* vector = nullptr;  ///< the name of one
 
   vtkTypeMacro(Box, vtkUnstructuredGridAlgorithm)
 
@@ -61,6 +64,13 @@ class Box final : public vtkUnstructuredGridAlgorithm {
       grid->InsertNextCell(VTK_HEXAHEDRON, 8, ids);
     }
     grid->GetPointData()->AddArray(smoke);
+    if (vector) {
+      vtkNew<vtkDoubleArray> along;
+      along->SetName(vector);
+      along->SetNumberOfComponents(3);
+      for (int i = 0; i < 12; ++i) along->InsertNextTuple3(10, 0, 0);
+      grid->GetPointData()->AddArray(along);
+    }
     grid->GetInformation()->Set(vtkDataObject::DATA_TIME_STEP(), time);
     return 1;
   }
@@ -87,10 +97,15 @@ int main(int count, char** arguments) {
   if (count < 2)
     return 2;
   vtkNew<Box> box;
+  char* end = nullptr;
+  const double fill = count > 2 ? std::strtod(arguments[2], &end) : 0;
+  const bool fills = count > 2 && *end == '\0';
+  if (count > 2 && !fills)
+    box->vector = arguments[2];
   vtkNew<vtkExodusIIWriter> writer;
   writer->SetFileName(arguments[1]);
   writer->SetInputConnection(box->GetOutputPort());
   writer->WriteAllTimeStepsOn();
   const bool written = writer->Write() != 0;
-  return written && (count < 3 || fillSecond(arguments[1], std::atof(arguments[2]))) ? 0 : 1;
+  return written && (!fills || fillSecond(arguments[1], fill)) ? 0 : 1;
 }

@@ -24,11 +24,12 @@ using namespace testing;
 #if VOLUTE_HAS_VTK
 
 /// Of netCDF's classic format, or with HDF5 inside.
-/// @param fill  the smoke's _FillValue, of which the second instant is; empty: it has none
+/// @param more  the smoke's _FillValue, of which the second instant is, or the name of a vector of
+/// 10 m along x; empty: it has none
 void writeExodus(const std::filesystem::path& folder, bool hdf5 = false,
-                 const std::string& fill = "") {
+                 const std::string& more = "") {
   ASSERT_EQ(std::system(fmt::format("{} {} {} {} 2> /dev/null", hdf5 ? "EXODUS_NETCDF4=1" : "",
-                                    VOLUTE_EXODUS_MAKER, (folder / "box.e").string(), fill)
+                                    VOLUTE_EXODUS_MAKER, (folder / "box.e").string(), more)
                             .c_str()),
             0);
   ASSERT_EQ(readBytes(folder / "box.e").substr(0, 3), hdf5 ? "\x89HD" : "CDF");
@@ -127,6 +128,17 @@ TEST(MeshCases, AFieldsOwnFillValueIsNoData) {
   writeExodus(folder.path(), false, "1");  // of four points at the first instant, too
   ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
   EXPECT_THAT(source.read(0).error().message, HasSubstr("at 10 s 4 of 12 values"));
+}
+
+TEST(MeshCases, OnlyADisplacementMovesTheMeshOfExodus) {
+  for (const auto& [name, moved] : {std::pair("distance", 0), std::pair("dissipation", 0),
+                                    std::pair("disp_", 10), std::pair("DISPL", 10)}) {
+    const TempFolder folder;
+    writeExodus(folder.path(), false, name);
+    ASSERT_VALUE(auto source, MeshSource::open(folder / "box.e", {.field = "smoke"}));
+    ASSERT_VALUE(const auto frame, source.read(0));
+    EXPECT_NEAR(frame.mesh->bounds().min.x(), moved, 1e-9) << name;
+  }
 }
 
 TEST(MeshCases, AFirstRecordThatWasNeverWrittenIsLeftOut) {

@@ -41,6 +41,20 @@
 namespace volute {
 namespace {
 
+/// Whether what VTK's reader takes for the displacement of nodes is one: it is the first vector
+/// whose name begins with "dis", as that of a distance or a dissipation does.
+bool hasDisplacement(vtkExodusIIReader& reader) {
+  constexpr std::string_view kNames[] = {"disp", "displ", "displacement", "displacements"};
+  for (int i = 0; i < reader.GetNumberOfObjectArrays(vtkExodusIIReader::NODAL); ++i) {
+    std::string name = lowerCase(reader.GetObjectArrayName(vtkExodusIIReader::NODAL, i));
+    while (name.ends_with('_')) name.pop_back();
+    if (name.starts_with("dis") &&
+        reader.GetNumberOfObjectArrayComponents(vtkExodusIIReader::NODAL, i) > 1)
+      return std::ranges::find(kNames, name) != std::end(kNames);
+  }
+  return false;
+}
+
 /// VTK's reader for a file, with all fields asked for; of OpenFOAM with one, unless its name is
 /// empty: others may say what VTK does not read.
 vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path,
@@ -86,6 +100,7 @@ vtkSmartPointer<vtkAlgorithm> readerOf(const std::filesystem::path& path,
   reader->GenerateObjectIdCellArrayOff();
   reader->GenerateGlobalElementIdArrayOff();
   reader->GenerateGlobalNodeIdArrayOff();
+  reader->SetApplyDisplacements(hasDisplacement(*reader) ? 1 : 0);
   return reader;
 }
 

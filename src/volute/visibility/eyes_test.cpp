@@ -138,6 +138,13 @@ TEST(Trajectories, AreReadAsJuPedSimWritesThem) {
                           "t.txt", {})
           .value();
   EXPECT_NEAR((centimetres.at(0)[0].eye - Vec3(1, 2, 1.76)).norm(), 0, 1e-12) << "heads, measured";
+  for (const char* text : {"#framerate: 2\n#frame id x y z\n2 7 1 2 0\n",
+                           "#framerate: 2\n#FRAME, X, Y, Z, ID\n2,1,2,0,7\n"}) {
+    const auto ordered = Trajectories::parse(text, "t.txt", 1.8).value();
+    ASSERT_EQ(ordered.at(1).size(), 1U) << text;
+    EXPECT_EQ(ordered.at(1)[0].id, 7);
+    EXPECT_NEAR((ordered.at(1)[0].eye - Vec3(1, 2, 1.8)).norm(), 0, 1e-12);
+  }
   const auto flat = Trajectories::parse(
                         "# framerate: 25\n#ID\tFR\tX/cm\tY/cm\tZ/cm\n1 0 100 200 0\n", "t.txt", {})
                         .value();

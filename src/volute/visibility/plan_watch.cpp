@@ -64,6 +64,13 @@ class PlanWatch final : public Watch {
         eyes_.push_back(plan_.at(i));
       }
     }
+    const Vec3 size = survey.bounds.size();
+    if (eyes_.empty() && survey.step > std::max(size.x(), size.y())) {
+      return failFor("step", ErrorCode::kInvalidArgument,
+                     "no point of the plan is where people can be: points are {:g} m apart, and "
+                     "the plan is {:g} by {:g} m; choose a smaller step",
+                     survey.step, size.x(), size.y());
+    }
     if (eyes_.empty()) {
       return failFor("height", ErrorCode::kInvalidArgument,
                      "nobody can look from z = {:g} m: the case knows smoke between z = {:g} "

@@ -338,8 +338,11 @@ Status readFrames(std::string_view text, std::string_view file, std::optional<do
     const std::string lower = lowerCase(trimmedField(names));
     const auto fields = fieldsOf(lower, lower.find(',') == lower.npos ? '\0' : ',');
     constexpr std::string_view kIds[] = {"id", "persid", "personid", "agentid"};
-    return fields.size() >= 4 && std::ranges::find(kIds, fields[0]) != std::end(kIds) &&
-           fields[1].starts_with("fr");
+    const auto isId = [&](std::string_view field) {
+      return std::ranges::find(kIds, field) != std::end(kIds);
+    };
+    return fields.size() >= 4 && std::ranges::any_of(fields, isId) &&
+           std::ranges::any_of(fields, [](std::string_view one) { return one.starts_with("fr"); });
   };
   VOLUTE_TRY(forEachRow(text, [&](std::string_view line, int) -> Status {
     if (line.starts_with('#')) {

@@ -282,6 +282,11 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
   VOLUTE_ASSIGN(request.profile, criteriaOf(arguments.get<std::string>("criteria")));
   request.survey.criteria = request.profile.criteria;
   if (const auto rset = arguments.find<std::string>("rset")) {
+    if (request.survey.criteria.empty()) {
+      return fail(ErrorCode::kInvalidArgument,
+                  "--rset has no effect with --criteria none: margins are of the ASET of criteria; "
+                  "omit one");
+    }
     if (mayHoldPeople(*rset)) {
       VOLUTE_ASSIGN(const auto people, peopleOf(*rset, context));
       VOLUTE_ASSIGN(request.survey.rset, Rset::parse(people, *rset));
@@ -296,6 +301,15 @@ Result<SurveySummary> surveyOf(const Arguments& arguments, Context& context, dou
     VOLUTE_ASSIGN(request.survey.areas, readAreas(*file));
     VOLUTE_ASSIGN(const auto heights, heightsOf(arguments));
     VOLUTE_TRY(checkStoreys(request.survey.areas, heights, *file));
+    if (request.survey.criteria.empty() &&
+        std::ranges::any_of(request.survey.areas,
+                            [](const auto& area) { return area.rset.has_value(); })) {
+      request.remarks.push_back(
+          Remark(RemarkCode::kLeftOut,
+                 fmt::format("{}: rset has no effect without criteria, of whose ASET margins are",
+                             *file))
+              .in(*file));
+    }
   }
   request.survey.everywhere = arguments.flag("everywhere");
   VOLUTE_ASSIGN(request.survey.fires, firesOf(arguments));
