@@ -3,10 +3,14 @@
 #include "volute/io/dxf.hpp"
 
 #include <fmt/format.h>
+#include <iconv.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <numbers>
 #include <set>
 #include <span>
@@ -15,6 +19,7 @@
 #include "volute/base/input_file.hpp"
 #include "volute/base/lower_case.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/math/vec.hpp"
@@ -73,6 +78,62 @@ std::optional<double> unitOf(int code) {
   return kUnits[code];
 }
 
+/// In UTF-8, of a file in the code page that it states ("ANSI_1252", as AutoCAD wrote until 2006);
+/// text that it cannot be is taken as Latin-1.
+std::string decoded(const std::string& text) {
+  if (std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) < 0x80; }))
+    return text;
+  std::string utf8 = asUtf8(text);
+  if (utf8 == text)
+    return text;
+  std::string page;
+  if (const std::size_t name = text.find("$DWGCODEPAGE"); name != text.npos) {
+    const std::size_t code = text.find('\n', name);
+    const std::size_t value = code == text.npos ? code : text.find('\n', code + 1);
+    if (value != text.npos)
+      page = trimmed(std::string_view(text)
+                         .substr(value + 1, 32)
+                         .substr(0, std::string_view(text).substr(value + 1, 32).find('\n')));
+  }
+  const std::size_t digits = page.find_first_of("0123456789");
+  if (digits == page.npos)
+    return utf8;
+  const iconv_t to = ::iconv_open("UTF-8", ("CP" + page.substr(digits)).c_str());
+  if (to == reinterpret_cast<iconv_t>(-1))
+    return utf8;
+  std::string out(4 * text.size(), '\0');
+  std::string from = text;
+  char *in = from.data(), *end = out.data();
+  std::size_t inLeft = from.size(), outLeft = out.size();
+  const bool whole = ::iconv(to, &in, &inLeft, &end, &outLeft) != static_cast<std::size_t>(-1);
+  ::iconv_close(to);
+  out.resize(out.size() - outLeft);
+  return whole ? out : utf8;
+}
+
+/// With characters in place of their numbers: K\\U+00FCche.
+std::string withoutNumbers(std::string_view text) {
+  constexpr std::string_view kMark = "\\U+";
+  constexpr std::size_t kDigits = 4;
+  std::string out;
+  for (;;) {
+    const std::size_t at = text.find(kMark);
+    out += text.substr(0, at);
+    if (at == text.npos)
+      return out;
+    const std::string_view digits = text.substr(at + kMark.size(), kDigits);
+    std::uint32_t code = 0;
+    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), code, 16);
+    const bool valid = digits.size() == kDigits && read.ptr == digits.data() + kDigits &&
+                       code >= 0x20 && (code < 0xD800 || code >= 0xE000);
+    if (valid)
+      appendUtf8(out, code);
+    else
+      out += kMark;
+    text.remove_prefix(at + kMark.size() + (valid ? kDigits : 0));
+  }
+}
+
 class DxfReader {
  public:
   DxfReader(std::filesystem::path path, std::uint64_t maxMemory, std::string_view layer)
@@ -83,6 +144,7 @@ class DxfReader {
     VOLUTE_TRY(readSections());
     for (const Entity& entity : model_) VOLUTE_TRY(draw(entity, Placement(), entity.text(8), 0));
     VOLUTE_TRY(checkLayer());
+    std::ranges::move(attributes_, std::back_inserter(drawing_.texts));
     if (drawing_.lines.empty() && drawing_.outlines.empty()) {
       return fail(ErrorCode::kInvalidData, "{}: has no lines to draw{}", path_.string(),
                   hidden_ > 0 ? "; its layers are off or frozen" : "");
@@ -126,6 +188,9 @@ class DxfReader {
       return fail(ErrorCode::kUnsupported, "{}: a binary DXF file; save it as ASCII DXF",
                   path_.string());
     }
+    text_ = decoded(text_);
+    if (text_.find("\\U+") != text_.npos)
+      text_ = withoutNumbers(text_);
     if (text_.starts_with("\xEF\xBB\xBF"))
       at_ = 3;
     return {};
@@ -541,7 +606,7 @@ class DxfReader {
   Status keep(const Entity& entity, const Placement& outer) {
     VOLUTE_ASSIGN(const double up, number(entity, 230, 1));
     const Placement place = up < 0 ? outer.after({Vec2(-1, 0), Vec2(0, 1), Vec2::Zero()}) : outer;
-    if (entity.kind == "TEXT" || entity.kind == "MTEXT") {
+    if (entity.kind == "TEXT" || entity.kind == "MTEXT" || entity.kind == "ATTRIB") {
       VOLUTE_ASSIGN(const Vec2 at, point(entity, 10));
       std::string text;
       for (const Pair& pair : entity.pairs) {
@@ -550,7 +615,8 @@ class DxfReader {
       }
       if (entity.kind == "MTEXT")
         text = plain(text);
-      drawing_.texts.push_back({place.at(at), std::string(trimmed(text))});
+      auto& texts = entity.kind == "ATTRIB" ? attributes_ : drawing_.texts;
+      texts.push_back({place.at(at), std::string(trimmed(text))});
       return {};
     }
     if (entity.kind != "LWPOLYLINE" && entity.kind != "POLYLINE" && entity.kind != "CIRCLE")
@@ -653,6 +719,7 @@ class DxfReader {
   std::set<std::string> offLayers_;
   std::uint64_t visits_ = 0;
   int hidden_ = 0;
+  decltype(DxfDrawing::texts) attributes_;  // of blocks; texts of the drawing go first
   DxfDrawing drawing_;
 };
 

@@ -218,6 +218,35 @@ TEST_F(Dxf, closedLinesAndTextsOfALayerAreKeptThoughItIsOff) {
   EXPECT_THAT(readDxf(file, 64 << 20, "area").error().message, HasSubstr("did you mean"));
 }
 
+TEST_F(Dxf, namesAreInTheCodePageOfTheFile) {
+  const auto named = [&](const std::string& page, const std::string& text) {
+    const std::string header =
+        page.empty() ? "" : pairs("0 SECTION 2 HEADER 9 $DWGCODEPAGE 3 " + page + " 0 ENDSEC");
+    const auto file = std::filesystem::path(::testing::TempDir()) / "page.dxf";
+    EXPECT_TRUE(writeFile(file, fileOf(pairs("0 LINE 8 R 10 0 20 0 11 1 21 1") +
+                                           pairs("0 ATTRIB 8 R 10 1 20 1 2 NAME 1 Tag") +
+                                           pairs("0 TEXT 8 R 10 1 20 1 1 " + text),
+                                       header)));
+    const auto drawing = readDxf(file, 64 << 20, "R");
+    EXPECT_TRUE(drawing) << drawing.error().message;
+    EXPECT_EQ(drawing->texts.size(), 2U);
+    EXPECT_EQ(drawing->texts.back().text, "Tag") << "texts go first";
+    return drawing->texts.front().text;
+  };
+  EXPECT_EQ(named("ANSI_1252",
+                  "K\xFC"
+                  "che\x80"),
+            "Küche€");
+  EXPECT_EQ(named("ANSI_1250", "\xF8"), "ř");
+  EXPECT_EQ(named("ANSI_1252", "Küche"), "Küche") << "UTF-8 whatever it states";
+  EXPECT_EQ(named("",
+                  "K\xFC"
+                  "che"),
+            "Küche");
+  EXPECT_EQ(named("ANSI_1252", "K\\U+00FCche"), "Küche");
+  EXPECT_EQ(named("ANSI_99999", "K\\U+00F\xFC"), "K\\U+00Fü");
+}
+
 TEST_F(Dxf, damagedFilesAreRefusedWithTheirLine) {
   EXPECT_THAT(refusal(fileOf(pairs("0 LINE 10 x1 20 0 11 1 21 1"))),
               HasSubstr("line 8: 'x1' is no number (group 10)"));

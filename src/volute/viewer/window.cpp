@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/viewer/window.hpp"
 
+#include "volute/base/printable.hpp"
+
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
@@ -48,20 +50,6 @@ std::optional<Key> keyOf(int key, int scancode) {
     return keyNamed(std::string(1, static_cast<char>(key)));
   const auto place = std::ranges::find(kPlaces, key, &std::pair<int, Key>::first);
   return place == std::end(kPlaces) ? std::nullopt : std::optional(place->second);
-}
-
-void appendUtf8(std::string& text, unsigned code) {
-  const auto add = [&](unsigned byte) { text += static_cast<char>(byte); };
-  if (code < 0x80) {
-    add(code);
-  } else if (code < 0x800) {
-    add(0xC0 | code >> 6), add(0x80 | (code & 0x3F));
-  } else if (code < 0x10000) {
-    add(0xE0 | code >> 12), add(0x80 | (code >> 6 & 0x3F)), add(0x80 | (code & 0x3F));
-  } else {
-    add(0xF0 | code >> 18), add(0x80 | (code >> 12 & 0x3F)), add(0x80 | (code >> 6 & 0x3F));
-    add(0x80 | (code & 0x3F));
-  }
 }
 
 /// A driver of an older OpenGL shows the window all the same, which the CPU then draws. Ends GLFW:
