@@ -3,7 +3,9 @@
 #include "volute/media/volume/volume_motion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 
 #include "volute/base/parallel.hpp"
 
@@ -173,6 +175,79 @@ void settle(std::vector<BrickPlace>& places) {
   places.erase(std::unique(places.begin(), places.end()), places.end());
 }
 
+float squareOf(const VoxelPlace& v) {
+  return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+
+VoxelPlace product(const MatN<float, 3, 3>& times, const VoxelPlace& v) {
+  const VecN<float, 3> way = times * VecN<float, 3>(v[0], v[1], v[2]);
+  return {way[0], way[1], way[2]};
+}
+
+/// A voxel at a time between two frames of which neither has a velocity there, and that of what
+/// comes by: grids of velocities often end where the smoke does.
+struct Passing {
+  BrickPlace brick;
+  std::size_t voxel = 0;
+  VoxelPlace velocity{};
+};
+
+/// One frame's velocities, and the way to the time between [voxels of the frame].
+struct Leaving {
+  const Velocities& velocities;
+  const VoxelMap& toFrame;  ///< from the volume's voxels
+  MatN<float, 3, 3> step;
+};
+
+/// Around where what moves further than a voxel is at that time.
+/// @param isStill  whether neither frame has a velocity at a place of the volume
+template <class IsStill>
+std::vector<Passing> passingBy(const VolumeInfo& info, const Leaving& frame,
+                               const IsStill& isStill) {
+  const auto places = placesOf(frame.velocities);
+  const Flow flow(frame.velocities);
+  const PlaceMap back(frame.toFrame.inverse());
+  const int size[3] = {info.x, info.y, info.z};
+  std::vector<std::vector<Passing>> found(places.size());
+  const auto add = [&](std::vector<Passing>& into, const VoxelPlace& at,
+                       const VoxelPlace& velocity) {
+    for (int corner = 0; corner < 8; ++corner) {
+      int place[3];
+      bool inside = true;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float low = std::floor(at[axis]);
+        inside = inside && low >= -1 && low < static_cast<float>(size[axis]);
+        place[axis] = inside ? static_cast<int>(low) + (corner >> axis & 1) : 0;
+        inside = inside && place[axis] >= 0 && place[axis] < size[axis];
+      }
+      if (inside && isStill(VoxelPlace{static_cast<float>(place[0]), static_cast<float>(place[1]),
+                                       static_cast<float>(place[2])}))
+        into.push_back({{place[0] / kMotionSide, place[1] / kMotionSide, place[2] / kMotionSide},
+                        static_cast<std::size_t>(Between::placeIn(place[0], place[1], place[2])),
+                        velocity});
+    }
+  };
+  parallelRanges(places.size(), 4, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t b = begin; b < end; ++b) {
+      for (int voxel = 0; voxel < BrickSlice::kVoxels; ++voxel) {
+        VoxelPlace at;
+        for (int axis = 0; axis < 3; ++axis)
+          at[axis] = static_cast<float>(places[b][static_cast<std::size_t>(axis)] * kMotionSide +
+                                        (voxel >> 3 * axis) % kMotionSide);
+        const VoxelPlace velocity = flow.read(at), way = product(frame.step, velocity);
+        if (squareOf(way) <= 1)
+          continue;
+        const VoxelPlace there = back(sum(at, way));
+        if (isStill(there))
+          add(found[b], there, velocity);
+      }
+    }
+  });
+  std::vector<Passing> all;
+  for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
 }  // namespace
 
 std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlice>> slices) {
@@ -189,12 +264,23 @@ std::vector<BrickPlace> placesOf(std::span<const std::shared_ptr<const BrickSlic
   return places;
 }
 
-// Where nothing moves in either frame, nothing goes anywhere.
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
                         const Mat3& early, const Mat3& late, const BetweenFrames& between) {
   VoxelPaths paths;
+  const Flow earlier(before), later(after);
+  const PlaceMap toBefore(between.before), toAfter(between.after);
+  const MatN<float, 3, 3> back = (-between.share * early).cast<float>(),
+                          ahead = ((1 - between.share) * late).cast<float>();
+  const auto isStill = [&](const VoxelPlace& place) {
+    return squareOf(earlier.read(toBefore(place))) == 0 &&
+           squareOf(later.read(toAfter(place))) == 0;
+  };
+  const std::array passing{passingBy(info, {before, between.before, -back}, isStill),
+                           passingBy(info, {after, between.after, -ahead}, isStill)};
   addPlaces(info, before, between.before, paths.places);
   addPlaces(info, after, between.after, paths.places);
+  for (const auto& some : passing)
+    std::ranges::transform(some, std::back_inserter(paths.places), &Passing::brick);
   settle(paths.places);
   const BrickSlice shape(info);
   paths.table =
@@ -203,26 +289,29 @@ VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const 
     paths.table.set(paths.places[i], static_cast<std::int32_t>(i));
   paths.from.resize(paths.places.size() * BrickSlice::kVoxels);
   paths.to.resize(paths.from.size());
-  const Flow earlier(before), later(after);
-  const PlaceMap toBefore(between.before), toAfter(between.after);
-  const MatN<float, 3, 3> back = (-between.share * early).cast<float>(),
-                          ahead = ((1 - between.share) * late).cast<float>();
+  for (const auto& some : passing) {
+    for (const Passing& one : some) {  // until the voxel's own way takes its place
+      const auto brick = static_cast<std::size_t>(paths.table.at(one.brick));
+      VoxelPlace& fastest = paths.from[brick * BrickSlice::kVoxels + one.voxel];
+      if (squareOf(one.velocity) > squareOf(fastest))
+        fastest = one.velocity;
+    }
+  }
   forVoxels(info, paths.places, [&](std::size_t brick, std::size_t voxel, const VoxelPlace& place) {
     const VoxelPlace atBefore = toBefore(place), atAfter = toAfter(place);
     const VoxelPlace a = earlier.read(atBefore), b = later.read(atAfter);
-    const auto wayOf = [](const VoxelPlace& v, const MatN<float, 3, 3>& times) {
-      const VecN<float, 3> way = times * VecN<float, 3>(v[0], v[1], v[2]);
-      return VoxelPlace{way[0], way[1], way[2]};
-    };
-    const auto speed = [](const VoxelPlace& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; };
-    const VoxelPlace& first = speed(a) >= speed(b) ? a : b;  // what moves may not have come yet
+    VoxelPlace& from = paths.from[brick * BrickSlice::kVoxels + voxel];
+    // What moves may not have come yet, or be in neither.
+    const VoxelPlace passes = from;
+    const VoxelPlace& own = squareOf(a) >= squareOf(b) ? a : b;
+    const VoxelPlace& first = squareOf(own) > 0 ? own : passes;
     const auto follow = [&](const Flow& velocity, const VoxelPlace& at,
                             const MatN<float, 3, 3>& times) {
-      VoxelPlace way = wayOf(first, times);
-      for (int i = 0; i < kIterations; ++i) way = wayOf(velocity.read(sum(at, way)), times);
+      VoxelPlace way = product(times, first);
+      for (int i = 0; i < kIterations; ++i) way = product(times, velocity.read(sum(at, way)));
       return way;
     };
-    paths.from[brick * BrickSlice::kVoxels + voxel] = follow(earlier, atBefore, back);
+    from = follow(earlier, atBefore, back);
     paths.to[brick * BrickSlice::kVoxels + voxel] = follow(later, atAfter, ahead);
   });
   return paths;

@@ -45,7 +45,8 @@ struct BetweenFrames {
 
 /// The paths along a velocity that is known in both frames: straight ones, found by iterating
 ///   from = -share before v_before(x + from),  to = (1 - share) after v_after(x + to),
-/// with v interpolated between voxels and 0 outside, and x where it is in either frame.
+/// with v interpolated between voxels and 0 outside, and x where it is in either frame. The first
+/// v is the faster of both frames' there, and where neither has one that of what comes by.
 /// @param early, late  [voxels] from a velocity in either frame to its way between the frames
 VoxelPaths pathsBetween(const VolumeInfo& info, const Velocities& before, const Velocities& after,
                         const Mat3& early, const Mat3& late, const BetweenFrames& between);

@@ -85,6 +85,34 @@ TEST(VolumeMotion, AMovedBlobIsBetweenItsPlaces) {
   }
 }
 
+TEST(VolumeMotion, WhatMovesFurtherThanItIsWideIsThereBetween) {
+  const VolumeInfo info = longVolume(1);
+  constexpr double kFar = 24;
+  const auto frameAt = [&](double along) {  // values and velocities end where the ball does
+    std::vector<float> values, velocity;
+    for (int z = 0; z < kWide; ++z) {
+      for (int y = 0; y < kWide; ++y) {
+        for (int x = 0; x < kLong; ++x) {
+          const bool in = (Vec3(x, y, z) - Vec3(along, 8, 8)).norm() < 4;
+          values.push_back(in ? 1 : 0);
+          velocity.insert(velocity.end(), {in ? 1.0F : 0.0F, 0, 0});
+        }
+      }
+    }
+    return std::pair(values, velocity);
+  };
+  const auto [before, vBefore] = frameAt(8);
+  const auto [after, vAfter] = frameAt(8 + kFar);
+  const Mat3 step = Vec3(kFar, 1, 1).asDiagonal();
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const VoxelPaths paths =
+        pathsBetween(info, velocitiesOf(vBefore), velocitiesOf(vAfter), step, step, {share});
+    const auto out = dense(blendFrames(info, BrickSlice::fromDense(info, before),
+                                       BrickSlice::fromDense(info, after), {share}, &paths));
+    EXPECT_LT(furthest(out, frameAt(8 + share * kFar).first), 1e-6) << share;
+  }
+}
+
 TEST(VolumeMotion, PathsFollowVelocitiesThatChange) {
   // v = x / 10 [voxels a second]: d = -share (x + d) / 10 before, d = (1 - share) (x + d) / 10
   // after.
