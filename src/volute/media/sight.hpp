@@ -211,6 +211,14 @@ struct StoredPlace {
 /// Whether a time is stored, or so close to one as files of one output differ.
 [[nodiscard]] bool isStored(std::span<const double> times, double time);
 
+/// From here on the stored times of one source are farther apart than those of another. Those of
+/// FDS's files, which are at its time steps, differ by less, and a factor of two by more.
+inline constexpr double kFinerTimes = 1.5;
+
+/// How far stored times are apart around one that they know [s], without what they differ by from
+/// one interval to the next.
+[[nodiscard]] double spacingAt(std::span<const double> times, double time);
+
 /// A source of a quantity, and what it has served.
 struct ServedSource {
   std::string description;
@@ -263,10 +271,10 @@ class PointField {
 };
 
 /// The best of several sources of a quantity at each place and time: among those that have it
-/// there, the one with the shortest interval between stored times if it is at most half of the
-/// others', else the first. Its bounds are intersected with those of sources with intervals as
-/// short, and with the others' at their stored times; contradicting bounds are ignored. At least
-/// one source.
+/// there, the first of those whose stored times are about as close together (kFinerTimes) as those
+/// of the closest. Its bounds are intersected with the others' of these, and with those of the rest
+/// at their stored times; contradicting bounds are ignored. Between the stored times of those that
+/// know a place, answers are linear. At least one source.
 class BestPoints final : public PointField {
  public:
   /// @param unread  sentences about further sources that could not be read.
@@ -288,6 +296,11 @@ class BestPoints final : public PointField {
   std::vector<ServedSource> sources() const override;
 
  private:
+  struct Said;
+
+  [[nodiscard]] Status choose(double time, std::span<const Vec3> points, std::span<PointValue> out,
+                              std::span<StoredSpan> between);
+
   std::vector<std::unique_ptr<PointField>> sources_;
   std::vector<std::string> unread_;
   std::vector<std::optional<StoredSpan>> served_;  // of each

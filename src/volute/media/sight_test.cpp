@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace volute {
 namespace {
 
@@ -138,6 +140,123 @@ TEST(BestPoints, WhatIsExactAtItsTimesNarrowsWhatIsStoredMoreOften) {
   EXPECT_EQ((std::array{one.low, one.high}), (std::array{50.0, 80.0})) << "a contradiction";
   one = answer(few, {.value = 70, .low = 70, .high = 70, .ofPlace = false}, 5);
   EXPECT_EQ(one.high, 80) << "from nearby";
+}
+
+/// The rise of a fire with an open band, everywhere or on one side of x = 0.
+class Rising final : public PointField {
+ public:
+  Rising(std::vector<double> times, double band, bool everywhere)
+      : times_(std::move(times)), band_(band), everywhere_(everywhere) {}
+
+  std::string description() const override { return "rising"; }
+
+  std::span<const double> times() const override { return times_; }
+
+  Status at(double time, std::span<const Vec3> points, std::span<double> out) override {
+    return valuesOf(time, points, out);
+  }
+
+  bool isExact() const override { return band_ == 0; }
+
+  Status answer(double time, std::span<const Vec3> points, std::span<PointValue> out) override {
+    const auto place = storedPlace(times_, time);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      out[i] = {.span = out[i].span};
+      if (!place || !(everywhere_ || points[i].x() > 0))
+        continue;
+      const auto of = [&](auto&& part) {
+        return (1 - place->share) * part(times_[place->first]) +
+               place->share * part(times_[place->second]);
+      };
+      const auto wide = [&](double t) { return band_ * (1 + std::sin(t)); };
+      out[i] = {of(riseAt), of([&](double t) { return riseAt(t) - wide(t); }),
+                of([&](double t) { return riseAt(t) + wide(t); }), place->span};
+    }
+    return {};
+  }
+
+  static double riseAt(double time) { return 20 + time * time / 10; }
+
+ private:
+  std::vector<double> times_;
+  double band_;
+  bool everywhere_;
+};
+
+/// Multiples of an interval, each later by up to a share of it, as FDS's time steps have it.
+std::vector<double> timesOfSteps(double interval, double share, double until) {
+  std::vector<double> times;
+  for (int i = 0; i * interval <= until; ++i)
+    times.push_back(interval * (i + share * std::abs(std::sin(7.0 * i * interval))));
+  return times;
+}
+
+std::unique_ptr<BestPoints> bestOf(std::vector<std::unique_ptr<PointField>> sources) {
+  return std::make_unique<BestPoints>(std::move(sources));
+}
+
+TEST(BestPoints, WhoDoesNotKnowAPlaceHasNoSayThere) {
+  // Instruments every second, and two kinds of slices every two: all three know what is right of 0.
+  const auto sources = [](bool instruments) {
+    std::vector<std::unique_ptr<PointField>> all;
+    all.push_back(std::make_unique<Rising>(timesOfSteps(2, 0.1, 40), 10, true));
+    all.push_back(std::make_unique<Rising>(timesOfSteps(2, 0.1, 40), 4, true));
+    if (instruments)
+      all.push_back(std::make_unique<Rising>(timesOfSteps(1, 0.2, 40), 0, false));
+    return all;
+  };
+  const auto with = bestOf(sources(true)), without = bestOf(sources(false));
+  const std::vector<Vec3> points{Vec3(-1, 0, 0), Vec3(1, 0, 0)};
+  for (double time = 0.5; time < 38; time += 0.01) {
+    PointValue a[2], b[2];
+    ASSERT_TRUE(with->answer(time, points, a));
+    ASSERT_TRUE(without->answer(time, points, b));
+    EXPECT_EQ((std::array{a[0].value, a[0].low, a[0].high}),
+              (std::array{b[0].value, b[0].low, b[0].high}))
+        << time;
+    EXPECT_LE(a[0].high, a[0].value + 8.1) << "at " << time << " s both kinds count";
+    EXPECT_EQ(a[1].low, a[1].high) << "at " << time << " s the instrument is the closest";
+  }
+}
+
+TEST(BestPoints, TheValueDoesNotDependOnWhoAsksWhen) {
+  std::vector<std::unique_ptr<PointField>> all;
+  all.push_back(std::make_unique<Rising>(timesOfSteps(2, 0.1, 40), 10, true));
+  all.push_back(std::make_unique<Rising>(timesOfSteps(2, 0.15, 40), 10, true));
+  all.push_back(std::make_unique<Rising>(std::vector<double>{0, 13, 26, 39}, 0, true));
+  const auto best = bestOf(std::move(all));
+  const std::vector<Vec3> point{Vec3(1, 0, 0)};
+  const auto highAt = [&](double time) {
+    std::vector<PointValue> out(1);
+    EXPECT_TRUE(best->answer(time, point, out));
+    EXPECT_LE(out[0].low, out[0].value);
+    EXPECT_LE(out[0].value, out[0].high);
+    return out[0].high;
+  };
+  const auto times = best->times();
+  double narrowest = 1e9, before = highAt(times[0]);
+  for (std::size_t i = 1; times[i] < 39; ++i) {
+    const double now = highAt(times[i]);
+    for (const double share : {0.001, 0.25, 0.5, 0.999}) {
+      EXPECT_NEAR(highAt(times[i - 1] + share * (times[i] - times[i - 1])),
+                  (1 - share) * before + share * now, 1e-9)
+          << times[i - 1] << " to " << times[i];
+    }
+    before = now;
+    narrowest = std::min(narrowest, now - Rising::riseAt(times[i]));
+  }
+  EXPECT_NEAR(narrowest, 0, 0.01) << "where the exact one is stored";
+}
+
+TEST(SpacingAt, IsThatOfTheTimesAroundWithoutTheirSteps) {
+  const std::vector<double> steps{0, 1.1, 2, 3.15, 4, 5.1, 6};
+  EXPECT_NEAR(spacingAt(steps, 2.5), 1.02, 1e-12);
+  EXPECT_NEAR(spacingAt(steps, 3.15), 1, 0.03);
+  const std::vector<double> gap{0, 1, 2, 30, 31, 32};
+  EXPECT_EQ(spacingAt(gap, 1.5), 1);
+  EXPECT_EQ(spacingAt(gap, 15), 28);
+  EXPECT_EQ(spacingAt(gap, 30), 1) << "itself stored";
+  EXPECT_TRUE(std::isinf(spacingAt(std::vector<double>{3}, 3)));
 }
 
 }  // namespace

@@ -554,20 +554,9 @@ bool isBeyond(std::span<const double> times, std::span<const double> known) {
          (times.back() > known.back() && !storedPlace(known, times.back()));
 }
 
-/// How far stored times are apart around a time that they know [s].
-double apartAt(std::span<const double> times, double time) {
-  if (times.size() < 2)
-    return std::numeric_limits<double>::infinity();
-  const auto after = std::ranges::upper_bound(times.begin() + 1, times.end() - 1, time);
-  return *after - *(after - 1);
-}
-
-/// Times in FDS's files are apart by a time step more or less, so that a half more is a difference.
-constexpr double kFiner = 1.5;
-
 /// Whether a case stores times closer together around a time that both know.
 bool isFinerAt(double time, const FdsCase& one, const FdsCase& than) {
-  return kFiner * apartAt(one.times(), time) <= apartAt(than.times(), time);
+  return kFinerTimes * spacingAt(one.times(), time) <= spacingAt(than.times(), time);
 }
 
 /// At some time within the other's.
