@@ -12,6 +12,7 @@
 #include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/printable.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_part.hpp"
 #include "volute/fds/mean_visibility.hpp"
@@ -155,7 +156,7 @@ std::size_t FdsCase::storedTimes(const FdsSource& source) const {
       times = framesOf(FdsSliceFile::open(index_.slices[part.entry], mesh));
     } else if (source.kind == FdsFileKind::kPlot) {
       for (const FdsPlotEntry& plot : index_.plots) {
-        if (plot.mesh == part.mesh)
+        if (plot.mesh == part.mesh && plotVariable(plot, source.plotted))
           plots.insert(plot.time);
       }
       times = plots.size();
@@ -279,6 +280,8 @@ Status FdsCase::openParts() {
       parts_.push_back(std::move(*part));
     }
   }
+  if (source().kind == FdsFileKind::kPlot)
+    noteOtherPlots();
   remarks_.insert(remarks_.end(), leftOut_.begin(), leftOut_.end());
   if (parts_.empty()) {
     return fail(ErrorCode::kTruncated, "{}: no file of the source '{}' holds a whole frame{}{}",
@@ -286,6 +289,30 @@ Status FdsCase::openParts() {
                 remarks_.empty() ? "" : remarks_.back().sentence);
   }
   return {};
+}
+
+/// PLOT3D files without the quantity, or with it in another unit.
+void FdsCase::noteOtherPlots() {
+  std::vector<const FdsPlotEntry*> without;
+  std::size_t count = 0;
+  for (const FdsPlotEntry& plot : index_.plots) {
+    const auto part = std::ranges::find(source().parts, plot.mesh, &FdsSourcePart::mesh);
+    if (part == source().parts.end())
+      continue;
+    ++count;
+    if (!plotVariableOf(plot, *part))
+      without.push_back(&plot);
+  }
+  if (without.empty())
+    return;
+  const FdsLabels& labels = labelsOf(index_, source(), source().parts.front());
+  leftOut_.push_back(
+      {RemarkCode::kLeftOut,
+       fmt::format("{}: {} of {} PLOT3D files have no {}{}, and are left out (the first is {}, of "
+                   "{:g} s)",
+                   index_.path.string(), without.size(), count, printable(labels.quantity),
+                   labels.unit.empty() ? "" : " in " + printable(labels.unit),
+                   without.front()->file.filename().string(), without.front()->time)});
 }
 
 /// The times that all files have, and, if some may be unknown, those before the first and after the

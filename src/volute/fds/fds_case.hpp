@@ -125,6 +125,9 @@ class FdsCase {
   void noteOtherSmoke();
   Status openParts();
   Result<std::shared_ptr<Part>> openPart(const FdsSourcePart& what) const;
+  std::optional<std::size_t> plotVariableOf(const FdsPlotEntry& plot,
+                                            const FdsSourcePart& part) const;
+  void noteOtherPlots();
   Status findBytes();
   Status findVisibility();
   void tellExtinction();

@@ -602,5 +602,34 @@ TEST(FdsCase, plot3dIsReadWhereNothingElseIs) {
   EXPECT_NEAR(fieldAt(read, 2).extinction({0.5, 0.5, 0.2}), 2 * linear(0.5, 0.5, 0.2), 1e-5);
 }
 
+TEST(FdsCase, eachPlot3dFileSaysItselfWhereAQuantityIs) {
+  MadeCase made;
+  const auto add = [&](double time, const std::array<std::string, 5>& labels, std::size_t smoke) {
+    std::vector<float> five;
+    for (std::size_t v = 0; v < 5; ++v)
+      five.insert(five.end(), 6 * 5 * 4, static_cast<float>(v == smoke ? time : -9));
+    const std::string name = fmt::format("made_1_{}p00.q", time);
+    fdswriter::plotFile(cellsOf(kFirst), five).save(made.folder / name);
+    made.index.files += fmt::format("PL3D {:11.2f}{:6}\n {}\n", time, 1, name);
+    for (const std::string& label : labels) made.index.files += label;
+  };
+  const std::string smoke = " SOOT EXTINCTION COEFFICIENT\n ext\n 1/m\n",
+                    other = " TEMPERATURE\n temp\n C\n", kelvin = " TEMPERATURE\n temp\n K\n";
+  add(1, {other, smoke, other, other, other}, 1);
+  add(2, {smoke, other, other, other, other}, 0);
+  add(3, {other, other, other, other, smoke}, 4);
+  FdsCase read = made.open();
+  EXPECT_THAT(read.times(), ElementsAre(1, 2, 3));
+  for (const double time : {1.0, 2.0, 3.0})
+    EXPECT_NEAR(fieldAt(read, time).extinction({0.5, 0.5, 0.2}), time, 1e-6);
+  EXPECT_THAT(read.leftOut(), testing::IsEmpty());
+  add(4, {kelvin, kelvin, kelvin, kelvin, kelvin}, 4);
+  EXPECT_THAT(sentences(made.open().leftOut()),
+              ElementsAre(HasSubstr("1 of 4 PLOT3D files have no SOOT EXTINCTION COEFFICIENT in "
+                                    "1/m, and are left out (the first is made_1_4p00.q, of 4 s)")));
+  EXPECT_THAT(sentences(made.open({.quantity = "TEMPERATURE"}).leftOut()),
+              ElementsAre(HasSubstr("1 of 4 PLOT3D files have no TEMPERATURE in C")));
+}
+
 }  // namespace
 }  // namespace volute

@@ -101,6 +101,15 @@ std::vector<double> timesOfOthers(const SmvIndex& index) {
 
 }  // namespace
 
+/// In the unit of the mesh's first file.
+std::optional<std::size_t> FdsCase::plotVariableOf(const FdsPlotEntry& plot,
+                                                   const FdsSourcePart& part) const {
+  const auto variable = plotVariable(plot, source().plotted);
+  return variable && plot.labels[*variable].unit == labelsOf(index_, source(), part).unit
+             ? variable
+             : std::nullopt;
+}
+
 Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& what) const {
   auto part = std::make_shared<Part>();
   part->what = what;
@@ -121,15 +130,16 @@ Result<std::shared_ptr<FdsCase::Part>> FdsCase::openPart(const FdsSourcePart& wh
     part->file = std::make_unique<FdsSliceFile>(std::move(slice));
   } else if (source().kind == FdsFileKind::kPlot) {
     std::vector<FdsPlotEntry> entries;
-    const FdsPlotEntry& first = index_.plots[what.entry];
-    const auto& labels = first.labels[static_cast<std::size_t>(source().plotVariable)];
+    std::vector<std::size_t> variables;
     for (const FdsPlotEntry& plot : index_.plots) {
-      if (plot.mesh == what.mesh &&
-          plot.labels[static_cast<std::size_t>(source().plotVariable)] == labels)
-        entries.push_back(plot);
+      const auto variable = plotVariableOf(plot, what);
+      if (plot.mesh != what.mesh || !variable)
+        continue;
+      entries.push_back(plot);
+      variables.push_back(*variable);
     }
-    part->path = first.file;
-    VOLUTE_TRY(hold(FdsPlotFiles::open(std::move(entries), source().plotVariable, mesh)));
+    part->path = index_.plots[what.entry].file;
+    VOLUTE_TRY(hold(FdsPlotFiles::open(entries, variables, mesh)));
   } else if (source().kind == FdsFileKind::kClear) {
     part->path = index_.path;
     part->file = std::make_unique<ClearFrames>(timesOfOthers(index_), mesh);

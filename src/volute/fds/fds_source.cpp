@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <compare>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <set>
@@ -204,28 +205,29 @@ void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
 }
 
 void addPlots(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSource>& sources) {
-  for (int variable = 0; variable < 5; ++variable) {
-    FdsSource source;
-    source.kind = FdsFileKind::kPlot;
-    source.volume = true;
-    source.plotVariable = variable;
-    std::set<int> meshes;
-    std::string name;
-    for (std::size_t i = 0; i < index.plots.size(); ++i) {
-      const FdsPlotEntry& plot = index.plots[i];
-      const auto found = wanted.in(plot.labels[static_cast<std::size_t>(variable)]);
-      if (!found || !meshes.insert(plot.mesh).second)
+  std::vector<FdsSource> found;  // in the order of the index
+  std::set<std::pair<std::string, int>> begun;
+  for (std::size_t i = 0; i < index.plots.size(); ++i) {
+    const FdsPlotEntry& plot = index.plots[i];
+    for (const FdsLabels& labels : plot.labels) {
+      const auto what = wanted.in(labels);
+      if (!what || !begun.emplace(labels.quantity, plot.mesh).second)
         continue;
-      source.quantity = found->smoke;
-      name = found->name;
-      source.parts.push_back({plot.mesh, i});
+      auto source = std::ranges::find(found, labels.quantity, &FdsSource::plotted);
+      if (source == found.end()) {
+        FdsSource made;
+        made.name = "plot3d-" + what->name;
+        made.description = fmt::format("PLOT3D files of {}, values at nodes", what->name);
+        made.kind = FdsFileKind::kPlot;
+        made.quantity = what->smoke;
+        made.volume = true;
+        made.plotted = labels.quantity;
+        source = found.insert(found.end(), std::move(made));
+      }
+      source->parts.push_back({plot.mesh, i});
     }
-    if (source.parts.empty())
-      continue;
-    source.name = "plot3d-" + name;
-    source.description = fmt::format("PLOT3D files of {}, values at nodes", name);
-    sources.push_back(std::move(source));
   }
+  std::ranges::move(found, std::back_inserter(sources));
 }
 
 void sortByRank(std::vector<FdsSource>& sources) {
@@ -236,6 +238,27 @@ void sortByRank(std::vector<FdsSource>& sources) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> plotVariable(const FdsPlotEntry& plot, std::string_view quantity) {
+  const auto found = std::ranges::find(plot.labels, quantity, &FdsLabels::quantity);
+  return found != plot.labels.end()
+             ? std::optional(static_cast<std::size_t>(found - plot.labels.begin()))
+             : std::nullopt;
+}
+
+const FdsLabels& labelsOf(const SmvIndex& index, const FdsSource& source,
+                          const FdsSourcePart& part) {
+  switch (source.kind) {
+    case FdsFileKind::kPlot: {
+      const FdsPlotEntry& plot = index.plots[part.entry];
+      return plot.labels[plotVariable(plot, source.plotted).value_or(0)];
+    }
+    case FdsFileKind::kSlice:
+      return index.slices[part.entry].labels;
+    default:
+      return index.smoke[part.entry].labels;
+  }
+}
 
 int meshesOf(const FdsSource& source) {
   std::set<int> meshes;

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,10 +36,18 @@ struct FdsSource {
   SmokeQuantity quantity = SmokeQuantity::kExtinction;
   bool cellCentred = false;
   bool volume = false;  ///< fills meshes; else layers one cell thick
-  int plotVariable = 0;
+  std::string plotted{};  ///< of PLOT3D: the quantity as FDS names it
   std::string smoke{};  ///< of bytes of smoke that are not soot's: whose, as FDS names it
   std::vector<FdsSourcePart> parts;
 };
+
+/// Which of the five variables of a PLOT3D file a quantity is, the first of that name: each file says
+/// so itself, and a restart may write others. Nothing: it has none.
+std::optional<std::size_t> plotVariable(const FdsPlotEntry& plot, std::string_view quantity);
+
+/// What a part of a source calls its values; of PLOT3D, the first of its files.
+const FdsLabels& labelsOf(const SmvIndex& index, const FdsSource& source,
+                          const FdsSourcePart& part);
 
 /// How many meshes it has files of.
 int meshesOf(const FdsSource& source);

@@ -264,13 +264,14 @@ Result<double> FdsSmoke16File::step(std::size_t frame) const {
   return stepOf(head.least, head.most);
 }
 
-Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int variable,
+Result<FdsPlotFiles> FdsPlotFiles::open(std::span<const FdsPlotEntry> entries,
+                                        std::span<const std::size_t> variables,
                                         const FdsMesh& mesh) {
   FdsPlotFiles plots(mesh);
-  plots.variable_ = variable;
   plots.nodes_ = nodesOf(mesh);
   std::optional<Error> missing;
-  for (const FdsPlotEntry& entry : entries) {
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const FdsPlotEntry& entry = entries[i];
     auto opened = FortranFile::open(entry.file);
     if (!opened && opened.error().code == ErrorCode::kNotFound) {
       plots.frames_.remarks.push_back(
@@ -305,22 +306,23 @@ Result<FdsPlotFiles> FdsPlotFiles::open(std::vector<FdsPlotEntry> entries, int v
       continue;
     }
     VOLUTE_TRY(status);
-    plots.frames_.add(entry.time, plots.paths_.size(), entry.file.string());
-    plots.paths_.push_back(entry.file);
+    plots.frames_.add(entry.time, plots.files_.size(), entry.file.string());
+    plots.files_.emplace_back(entry.file, variables[i]);
   }
-  if (plots.paths_.empty() && missing)
+  if (plots.files_.empty() && missing)
     return tl::unexpected<Error>(*missing);
   return plots;
 }
 
 Status FdsPlotFiles::readFrame(std::size_t frame, std::span<float> out) const {
-  VOLUTE_ASSIGN(const auto file, FortranFile::open(paths_[frames_.offsets[frame]]));
+  const auto& [path, variable] = files_[frames_.offsets[frame]];
+  VOLUTE_ASSIGN(const auto file, FortranFile::open(path));
   std::uint64_t offset = 0;
   VOLUTE_ASSIGN(offset, file.skip(offset, sizeof(nodes_), "the header"));
   VOLUTE_ASSIGN(offset, file.skip(offset, 16, "the second header"));
   std::vector<float> all(5 * values_);
   VOLUTE_TRY(file.readInto(offset, std::span(all), "the values"));
-  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(variable_ * values_);
+  const auto begin = all.begin() + static_cast<std::ptrdiff_t>(variable * values_);
   std::copy_n(begin, values_, out.begin());
   return {};
 }

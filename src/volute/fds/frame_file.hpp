@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "volute/fds/fortran_file.hpp"
@@ -114,8 +115,10 @@ class FdsSmoke16File final : public FdsFrameFile {
 /// .q: one variable of PLOT3D files, one file for each time.
 class FdsPlotFiles final : public FdsFrameFile {
  public:
-  /// `entries` are of one mesh. `variable` is 0..4.
-  [[nodiscard]] static Result<FdsPlotFiles> open(std::vector<FdsPlotEntry> entries, int variable,
+  /// `entries` are of one mesh.
+  /// @param variables  of each, 0..4
+  [[nodiscard]] static Result<FdsPlotFiles> open(std::span<const FdsPlotEntry> entries,
+                                                 std::span<const std::size_t> variables,
                                                  const FdsMesh& mesh);
 
   [[nodiscard]] Status readFrame(std::size_t frame, std::span<float> out) const override;
@@ -123,8 +126,8 @@ class FdsPlotFiles final : public FdsFrameFile {
  private:
   explicit FdsPlotFiles(const FdsMesh& mesh) : FdsFrameFile(mesh.nodeCount()) {}
 
-  std::vector<std::filesystem::path> paths_;  // offsets of frames_ are places in it
-  int variable_ = 0;
+  // Offsets of frames_ are places in it.
+  std::vector<std::pair<std::filesystem::path, std::size_t>> files_;  // and their variables
   std::array<std::int32_t, 3> nodes_{};
 };
 

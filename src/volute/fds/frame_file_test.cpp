@@ -104,7 +104,8 @@ std::vector<Kind> kinds(std::size_t split = 0) {
        }},
       {"q", fdswriter::plotFile(kCells, five),
        [](const std::filesystem::path& path) {
-         return asFile(FdsPlotFiles::open({{0, 7.5, path, {}}}, 1, mesh()));
+         return asFile(FdsPlotFiles::open(std::vector<FdsPlotEntry>{{0, 7.5, path, {}}},
+                                        std::vector<std::size_t>{1}, mesh()));
        },
        1},
   };

@@ -235,19 +235,6 @@ class FdsPoints final : public PointField {
   std::array<std::optional<std::pair<std::size_t, FdsField>>, 2> held_;
 };
 
-/// What a part of a source calls its values.
-const FdsLabels& labelsOf(const SmvIndex& index, const FdsSource& source,
-                          const FdsSourcePart& part) {
-  switch (source.kind) {
-    case FdsFileKind::kPlot:
-      return index.plots[part.entry].labels[static_cast<std::size_t>(source.plotVariable)];
-    case FdsFileKind::kSlice:
-      return index.slices[part.entry].labels;
-    default:
-      return index.smoke[part.entry].labels;
-  }
-}
-
 /// From the unit of a source's files, which is to be one, to another.
 Result<UnitChange> unitChangeOf(const SmvIndex& index, const FdsSource& source,
                                 std::string_view to) {

@@ -91,13 +91,8 @@ Result<FdsIsoSheets> FdsIsoSheets::open(const SmvIndex& index, const std::string
   }
   VOLUTE_TRY(opened);
   const FdsSource& source = opened->source();
-  if (source.kind == FdsFileKind::kSlice)
-    sheets.unit_ = index.slices[source.parts.front().entry].labels.unit;
-  if (source.kind == FdsFileKind::kPlot) {
-    sheets.unit_ = index.plots[source.parts.front().entry]
-                       .labels[static_cast<std::size_t>(source.plotVariable)]
-                       .unit;
-  }
+  if (source.kind == FdsFileKind::kSlice || source.kind == FdsFileKind::kPlot)
+    sheets.unit_ = labelsOf(index, source, source.parts.front()).unit;
   for (const Remark& remark : opened->remarks()) {
     if (std::ranges::find(index.remarks, remark) == index.remarks.end())
       reading.progress.remark(remark);

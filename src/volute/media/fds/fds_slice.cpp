@@ -193,13 +193,9 @@ Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::stri
                     "{}: {} is outside of the case; expected {:g} to {:g} m", index.path.string(),
                     quantity, opened.bounds().min[named.axis], opened.bounds().max[named.axis]);
       }
-      const FdsSourcePart& part = opened.source().parts.front();
-      sheet.unit_ =
-          opened.source().kind == FdsFileKind::kSlice ? index.slices[part.entry].labels.unit : "";
-      if (opened.source().kind == FdsFileKind::kPlot)
-        sheet.unit_ = index.plots[part.entry]
-                          .labels[static_cast<std::size_t>(opened.source().plotVariable)]
-                          .unit;
+      const FdsSource& source = opened.source();
+      if (source.kind == FdsFileKind::kSlice || source.kind == FdsFileKind::kPlot)
+        sheet.unit_ = labelsOf(index, source, source.parts.front()).unit;
       sheet.case_ = std::make_shared<FdsCase>(std::move(opened));
       if (range)
         sheet.range_ = *range;
