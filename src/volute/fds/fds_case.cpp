@@ -179,7 +179,7 @@ std::size_t FdsCase::storedTimes(const FdsSource& source) const {
 void FdsCase::weighSources(const FdsOptions& options) {
   std::vector<std::size_t> eligible;
   for (std::size_t i = chosen_; i < sources_.size(); ++i) {
-    if (sources_[i].volume || !options.volume)
+    if ((sources_[i].volume || !options.volume) && sources_[i].species == source().species)
       eligible.push_back(i);
   }
   if (eligible.size() < 2)
@@ -226,20 +226,20 @@ void FdsCase::weighSources(const FdsOptions& options) {
                   sources_[chosen_].name, times, reason, others));
 }
 
-/// Smoke of several kinds adds up, and bytes of one of them are read.
+/// Smoke of several kinds adds up, and that of one of them is read.
 void FdsCase::noteOtherSmoke() {
   std::set<std::string> others;
   for (const FdsSource& source : sources_) {
-    if (!source.smoke.empty() && !this->source().smoke.empty() &&
-        source.smoke != this->source().smoke)
-      others.insert(source.smoke);
+    if (source.species != this->source().species)
+      others.insert(printable(source.species));
   }
   if (others.empty())
     return;
-  remarks_.push_back({RemarkCode::kLeftOut,
-                      fmt::format("{}: warning: only the smoke of {} is seen; that of {} is thick "
-                                  "by itself and is left out",
-                                  index_.path.string(), source().smoke, fmt::join(others, ", "))});
+  remarks_.push_back(
+      {RemarkCode::kLeftOut,
+       fmt::format("{}: warning: only the smoke of {} is seen; that of {} is thick "
+                   "by itself and is left out",
+                   index_.path.string(), printable(source().species), fmt::join(others, ", "))});
 }
 
 Status FdsCase::openParts() {

@@ -249,6 +249,27 @@ TEST(FdsCase, aSourceWhoseFileIsMissingIsNotPassedOverInSilence) {
   EXPECT_THAT(result.error().message, testing::HasSubstr("made.sf"));
 }
 
+TEST(FdsCase, theSmokeOfSpeciesIsToldApart) {
+  for (const bool sootFirst : {true, false}) {
+    MadeCase one;
+    for (const bool soot : {sootFirst, !sootFirst}) {
+      const fdswriter::Slice slice{
+          whole(kFirst), soot ? "SOOT EXTINCTION COEFFICIENT" : "ACETONE EXTINCTION COEFFICIENT"};
+      one.add(slice, soot ? "soot.sf" : "acetone.sf",
+              {{0, fdswriter::atNodes(kFirst, slice.at, [&](auto...) { return soot ? 0.1 : 5; })}});
+    }
+    FdsCase soot = one.open();
+    EXPECT_EQ(soot.source().name, "slice3d-extinction");
+    EXPECT_NEAR(fieldAt(soot, 0).extinction({0.5, 0.5, 0.2}), 0.1, 1e-6);
+    EXPECT_THAT(sentences(soot.remarks()),
+                testing::Contains(HasSubstr("only the smoke of SOOT is seen; that of ACETONE")));
+    FdsCase acetone = one.open({.source = "slice3d-extinction-acetone"});
+    EXPECT_NEAR(fieldAt(acetone, 0).extinction({0.5, 0.5, 0.2}), 5, 1e-6);
+    EXPECT_THAT(sentences(acetone.remarks()),
+                testing::Contains(HasSubstr("only the smoke of ACETONE is seen; that of SOOT")));
+  }
+}
+
 TEST(FdsCase, anySmokeWithAMassExtinctionIsSeen) {
   const ScratchFolder folder;
   saveSliceAndBytes(folder, {0}, {0}, "ASH DENSITY", false);

@@ -121,9 +121,10 @@ std::vector<FdsFileCheck> checkFiles(const SmvIndex& index) {
         [&] { return framesOf(FdsSmokeFile::open(smoke.file, meshOf(smoke.mesh))); });
   }
   for (const FdsPlotEntry& plot : index.plots) {
-    add(plot.file, fmt::format("PLOT3D at {:g} s", plot.time), plot.mesh,
-        [&] { return framesOf(FdsPlotFiles::open(std::span(&plot, 1), std::array{std::size_t{0}},
-                                         meshOf(plot.mesh))); });
+    add(plot.file, fmt::format("PLOT3D at {:g} s", plot.time), plot.mesh, [&] {
+      return framesOf(
+          FdsPlotFiles::open(std::span(&plot, 1), std::array{std::size_t{0}}, meshOf(plot.mesh)));
+    });
   }
   for (const FdsIsoEntry& iso : index.isosurfaces) {
     add(iso.file, "isosurfaces of " + iso.labels.quantity, iso.mesh,

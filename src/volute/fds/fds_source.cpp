@@ -11,25 +11,49 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <tuple>
+
+#include "volute/base/read_text.hpp"
 
 namespace volute {
 namespace {
 
-/// What a quantity of FDS says about smoke, if anything.
-std::optional<SmokeQuantity> smokeQuantityOf(const FdsLabels& labels) {
-  const auto says = [&](const char* text) {
-    return labels.quantity.find(text) != std::string::npos;
+constexpr std::string_view kSoot = "SOOT";
+
+/// What a quantity of FDS says about smoke, and whose: FDS puts the species first.
+struct SmokeSaid {
+  SmokeQuantity quantity;
+  std::string species;
+};
+
+std::optional<SmokeSaid> smokeOf(const FdsLabels& labels) {
+  const auto says = [&](std::string_view text, std::string_view unit,
+                        SmokeQuantity quantity) -> std::optional<SmokeSaid> {
+    const std::size_t at = labels.quantity.find(text);
+    if (at == std::string::npos || labels.unit != unit)
+      return std::nullopt;
+    const std::string_view species = trimmed(std::string_view(labels.quantity).substr(0, at));
+    return SmokeSaid{quantity, std::string(species.empty() ? kSoot : species)};
   };
-  if (says("EXTINCTION COEFFICIENT") && labels.unit == "1/m")
-    return SmokeQuantity::kExtinction;
-  if (says("OPTICAL DENSITY") && labels.unit == "1/m")
-    return SmokeQuantity::kOpticalDensity;
-  if (says("SOOT DENSITY") && labels.unit == "kg/m3")
-    return SmokeQuantity::kSootDensity;
-  if (says("VISIBILITY") && labels.unit == "m")
-    return SmokeQuantity::kVisibility;
-  return std::nullopt;
+  if (const auto said = says("EXTINCTION COEFFICIENT", "1/m", SmokeQuantity::kExtinction))
+    return said;
+  if (const auto said = says("OPTICAL DENSITY", "1/m", SmokeQuantity::kOpticalDensity))
+    return said;
+  if (says("SOOT DENSITY", "kg/m3", SmokeQuantity::kSootDensity))
+    return SmokeSaid{SmokeQuantity::kSootDensity, std::string(kSoot)};
+  return says("VISIBILITY", "m", SmokeQuantity::kVisibility);
+}
+
+/// Whose smoke bytes are: "SOOT DENSITY".
+std::string speciesOf(const FdsSmokeEntry& entry) {
+  std::string_view species = entry.labels.quantity;
+  for (const std::string_view held : {"DENSITY", "MASS FRACTION"}) {
+    if (species.ends_with(held))
+      species.remove_suffix(held.size());
+  }
+  species = trimmed(species);
+  return std::string(species.empty() ? kSoot : species);
 }
 
 int rankOf(SmokeQuantity quantity) {
@@ -88,22 +112,32 @@ std::string spelled(std::string_view quantity) {
 
 /// What is looked for: smoke in any spelling, or one quantity.
 struct Wanted {
-  std::string_view quantity{};  // empty: smoke
+  std::string_view quantity{};             // empty: smoke
+  std::span<const std::string> species{};  // of smoke: all that the case has, soot first
+
+  /// What tells the smoke of others than the first.
+  std::string of(const SmokeSaid& smoke) const {
+    return species.empty() || smoke.species == species.front() ? "" : "-" + spelled(smoke.species);
+  }
 
   struct Found {
     SmokeQuantity smoke = SmokeQuantity::kExtinction;
     std::string name;
+    std::string species{};
 
     auto operator<=>(const Found&) const = default;
   };
 
   std::optional<Found> in(const FdsLabels& labels) const {
     if (!quantity.empty()) {
-      return labels.quantity == quantity ? std::optional(Found{{}, spelled(quantity)})
+      return labels.quantity == quantity ? std::optional(Found{{}, spelled(quantity), {}})
                                          : std::nullopt;
     }
-    const auto smoke = smokeQuantityOf(labels);
-    return smoke ? std::optional(Found{*smoke, std::string(nameOf(*smoke))}) : std::nullopt;
+    const auto smoke = smokeOf(labels);
+    return smoke ? std::optional(Found{smoke->quantity,
+                                       std::string(nameOf(smoke->quantity)) + of(*smoke),
+                                       smoke->species})
+                 : std::nullopt;
   }
 };
 
@@ -118,6 +152,7 @@ void addSlices(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSourc
     FdsSource& group = groups[{*found, volume, slice.cellCentred}];
     group.kind = FdsFileKind::kSlice;
     group.quantity = found->smoke;
+    group.species = found->species;
     group.cellCentred = slice.cellCentred;
     group.volume = volume;
     group.name = fmt::format("slice{}-{}{}", volume ? "3d" : "", found->name,
@@ -155,18 +190,45 @@ bool isSmoke(const FdsSmokeEntry& entry) {
          (entry.massExtinction && !isFire(entry.labels.quantity));
 }
 
-/// Each kind of smoke by itself, soot first.
-void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
+/// Whose smoke the case has, soot's first.
+std::vector<std::string> smokingSpecies(const SmvIndex& index) {
+  std::vector<std::string> all;
+  const auto add = [&](const std::string& species) {
+    if (std::ranges::find(all, species) == all.end())
+      all.push_back(species);
+  };
+  const auto addSaid = [&](const FdsLabels& labels) {
+    if (const auto smoke = smokeOf(labels))
+      add(smoke->species);
+  };
+  for (const FdsSliceEntry& slice : index.slices) addSaid(slice.labels);
+  for (const FdsSmokeEntry& smoke : index.smoke) {
+    if (isSmoke(smoke))
+      add(speciesOf(smoke));
+  }
+  for (const FdsPlotEntry& plot : index.plots) std::ranges::for_each(plot.labels, addSaid);
+  std::ranges::stable_partition(
+      all, [](const std::string& one) { return one.find(kSoot) != std::string::npos; });
+  std::ranges::stable_partition(all, [](const std::string& one) { return one == kSoot; });
+  return all;
+}
+
+/// Each kind of smoke by itself.
+void addSmoke(const SmvIndex& index, const std::vector<std::string>& species,
+              std::vector<FdsSource>& sources) {
   std::vector<std::string> kinds;
   for (const FdsSmokeEntry& smoke : index.smoke) {
     if (isSmoke(smoke) && std::ranges::find(kinds, smoke.labels.quantity) == kinds.end())
       kinds.push_back(smoke.labels.quantity);
   }
-  std::ranges::stable_partition(
-      kinds, [](const std::string& kind) { return kind.find("SOOT") != std::string::npos; });
+  bool named = false;  // s3d alone
   for (const std::string& kind : kinds) {
-    const bool first = &kind == kinds.data();
-    const bool soot = kind.find("SOOT") != std::string::npos;
+    const auto entry = std::ranges::find(index.smoke, kind, [](const FdsSmokeEntry& one) {
+      return std::string_view(one.labels.quantity);
+    });
+    const bool first = !named && speciesOf(*entry) == species.front();
+    named = named || first;
+    const bool soot = kind.find(kSoot) != std::string::npos;
     const std::string more = first ? "" : "-" + spelled(kind);
     const std::string of = soot ? "soot" : kind;
     const auto source = [&](std::string name, std::string description, FdsFileKind file) {
@@ -176,7 +238,7 @@ void addSmoke(const SmvIndex& index, std::vector<FdsSource>& sources) {
       made.kind = file;
       made.quantity = SmokeQuantity::kSootDensity;
       made.volume = true;
-      made.smoke = kind;
+      made.species = speciesOf(*entry);
       return made;
     };
     FdsSource bytes = source("s3d",
@@ -220,6 +282,7 @@ void addPlots(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSource
         made.description = fmt::format("PLOT3D files of {}, values at nodes", what->name);
         made.kind = FdsFileKind::kPlot;
         made.quantity = what->smoke;
+        made.species = what->species;
         made.volume = true;
         made.plotted = labels.quantity;
         source = found.insert(found.end(), std::move(made));
@@ -230,11 +293,12 @@ void addPlots(const SmvIndex& index, const Wanted& wanted, std::vector<FdsSource
   std::ranges::move(found, std::back_inserter(sources));
 }
 
-void sortByRank(std::vector<FdsSource>& sources) {
-  std::stable_sort(sources.begin(), sources.end(), [](const FdsSource& a, const FdsSource& b) {
-    return std::make_tuple(rankOf(a), !a.volume, -meshesOf(a), !a.cellCentred) <
-           std::make_tuple(rankOf(b), !b.volume, -meshesOf(b), !b.cellCentred);
-  });
+void sortByRank(std::vector<FdsSource>& sources, const std::vector<std::string>& species = {}) {
+  const auto key = [&](const FdsSource& one) {
+    return std::make_tuple(std::ranges::find(species, one.species) - species.begin(), rankOf(one),
+                           !one.volume, -meshesOf(one), !one.cellCentred);
+  };
+  std::ranges::stable_sort(sources, {}, key);
 }
 
 }  // namespace
@@ -268,10 +332,12 @@ int meshesOf(const FdsSource& source) {
 
 std::vector<FdsSource> findSources(const SmvIndex& index) {
   std::vector<FdsSource> sources;
-  addSlices(index, {}, sources);
-  addSmoke(index, sources);
-  addPlots(index, {}, sources);
-  sortByRank(sources);
+  const std::vector<std::string> species = smokingSpecies(index);
+  const Wanted smoke{.species = species};
+  addSlices(index, smoke, sources);
+  addSmoke(index, species, sources);
+  addPlots(index, smoke, sources);
+  sortByRank(sources, species);
   return sources;
 }
 
@@ -289,10 +355,10 @@ FdsSource clearSource(const SmvIndex& index) {
 
 std::vector<FdsSource> findSources(const SmvIndex& index, std::string_view quantity) {
   std::vector<FdsSource> sources;
-  addSlices(index, {quantity}, sources);
+  addSlices(index, {.quantity = quantity}, sources);
   if (isFire(quantity))
     addBytes(index, quantity, sources);
-  addPlots(index, {quantity}, sources);
+  addPlots(index, {.quantity = quantity}, sources);
   sortByRank(sources);
   if (quantity == kFdsTemperature)
     addBytes(index, quantity, sources);  // steps of 8 degrees: after all others

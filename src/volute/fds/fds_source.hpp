@@ -35,14 +35,14 @@ struct FdsSource {
   FdsFileKind kind = FdsFileKind::kSmoke;
   SmokeQuantity quantity = SmokeQuantity::kExtinction;
   bool cellCentred = false;
-  bool volume = false;  ///< fills meshes; else layers one cell thick
+  bool volume = false;    ///< fills meshes; else layers one cell thick
   std::string plotted{};  ///< of PLOT3D: the quantity as FDS names it
-  std::string smoke{};  ///< of bytes of smoke that are not soot's: whose, as FDS names it
+  std::string species{};  ///< of smoke: whose it is, in FDS's words; that of others adds up to it
   std::vector<FdsSourcePart> parts;
 };
 
-/// Which of the five variables of a PLOT3D file a quantity is, the first of that name: each file says
-/// so itself, and a restart may write others. Nothing: it has none.
+/// Which of the five variables of a PLOT3D file a quantity is, the first of that name: each file
+/// says so itself, and a restart may write others. Nothing: it has none.
 std::optional<std::size_t> plotVariable(const FdsPlotEntry& plot, std::string_view quantity);
 
 /// What a part of a source calls its values; of PLOT3D, the first of its files.
@@ -55,8 +55,8 @@ int meshesOf(const FdsSource& source);
 /// All ways that the index offers, best first: extinction as FDS wrote it, optical density, density
 /// of soot, visibility (which is capped), then 16-bit, density and opacity bytes; of equal ones
 /// those that fill meshes, and of these those of more meshes. PLOT3D, which has few times, is last.
-/// Bytes are smoke where they are of soot, or the index gives them a mass extinction.
-/// Each has a name of its own.
+/// Smoke of several species is as many sources, soot's first. Bytes are smoke where they are of
+/// soot, or the index gives them a mass extinction. Each has a name of its own.
 std::vector<FdsSource> findSources(const SmvIndex& index);
 
 /// Clear air in all meshes, for pictures of a case that stores no smoke.

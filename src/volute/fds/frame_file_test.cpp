@@ -105,7 +105,7 @@ std::vector<Kind> kinds(std::size_t split = 0) {
       {"q", fdswriter::plotFile(kCells, five),
        [](const std::filesystem::path& path) {
          return asFile(FdsPlotFiles::open(std::vector<FdsPlotEntry>{{0, 7.5, path, {}}},
-                                        std::vector<std::size_t>{1}, mesh()));
+                                          std::vector<std::size_t>{1}, mesh()));
        },
        1},
   };

@@ -618,7 +618,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
   std::vector<double> known(first.times().begin(), first.times().end());
   std::set<int> meshes = meshesIn(first.grid());
   for (const FdsSource& source : first.sources()) {
-    if (source.name == first.source().name)
+    if (source.name == first.source().name || source.species != first.source().species)
       continue;
     FdsOptions other = options;
     other.source = source.name;
@@ -920,7 +920,8 @@ std::string FdsSight::tallerSource() const {
   filling.maxMemory = maxMemory_;
   const auto other = FdsCase::open(case_.index(), filling);
   const bool further =
-      other && (!case_.source().volume || other->bounds().size().z() > ownBounds().size().z());
+      other && other->source().species == case_.source().species &&
+      (!case_.source().volume || other->bounds().size().z() > ownBounds().size().z());
   return further ? other->source().name : "";
 }
 

@@ -285,6 +285,19 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
   EXPECT_GT(missed, 10);
 }
 
+TEST(FdsSight, TheSmokeOfOneSpeciesDoesNotServeForThatOfAnother) {
+  MadeCase made;
+  for (const std::string species : {"ACETONE", "SOOT"}) {
+    const fdswriter::Slice slice{whole(kFirst), species + " EXTINCTION COEFFICIENT"};
+    const auto values = fdswriter::atNodes(kFirst, slice.at, linear);
+    std::vector<std::pair<float, std::vector<float>>> frames{{0, values}, {1, values}};
+    if (species == "ACETONE")
+      frames.push_back({2, values});
+    made.add(slice, species + ".sf", frames);
+  }
+  EXPECT_THAT(fillingSources(made.open(), {}), ::testing::IsEmpty());
+}
+
 TEST(FdsSight, AFileThatIsCutIsNamedWhetherItServesOrNot) {
   for (const bool serves : {true, false}) {
     const ScratchFolder folder;
