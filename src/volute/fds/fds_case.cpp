@@ -187,6 +187,7 @@ void FdsCase::weighSources(const FdsOptions& options) {
   std::size_t times = storedTimes(sources_[chosen_]);
   if (times == 0)
     return;  // what is wrong with it is said
+  const auto partsLeftOut = [&](std::size_t i) { return meshesInPart(index_, sources_[i]).size(); };
   std::string others;
   std::string reason =
       sources_[chosen_].volume
@@ -197,6 +198,10 @@ void FdsCase::weighSources(const FdsOptions& options) {
       continue;
     const std::size_t its = storedTimes(sources_[i]);
     int more = meshesOf(sources_[i]) - meshesOf(sources_[chosen_]);
+    // Volumes and pictures are of one source, so that what leaves parts of meshes out is less.
+    const bool fuller = options.volume && partsLeftOut(i) < partsLeftOut(chosen_);
+    if (fuller)
+      more = std::max(more, 1);
     // A layer covers the meshes that it cuts, and is for who looks along it.
     if (!sources_[chosen_].volume && sources_[i].volume)
       more = std::min(more, 0);
@@ -204,10 +209,11 @@ void FdsCase::weighSources(const FdsOptions& options) {
       continue;
     if (more > 0 && its < times)
       continue;
-    reason = more > 0 ? fmt::format("it has files of {} meshes, {} of {}", meshesOf(sources_[i]),
-                                    sources_[chosen_].name, meshesOf(sources_[chosen_]))
-                      : fmt::format("it has {} stored times, {} only {}", its,
-                                    sources_[chosen_].name, times);
+    reason = fuller     ? fmt::format("{} leaves parts of meshes out", sources_[chosen_].name)
+             : more > 0 ? fmt::format("it has files of {} meshes, {} of {}", meshesOf(sources_[i]),
+                                      sources_[chosen_].name, meshesOf(sources_[chosen_]))
+                        : fmt::format("it has {} stored times, {} only {}", its,
+                                      sources_[chosen_].name, times);
     chosen_ = i;
     times = its;
   }
@@ -515,6 +521,12 @@ void FdsCase::noteMissingMeshes() {
                              index_.path.string(), source().name, count, covered.size(), missing,
                              count > 8 ? ", ..." : "");
     remarks_.push_back({RemarkCode::kLeftOut, uncovered_});
+  }
+  if (const auto partly = meshesInPart(index_, source()); !partly.empty()) {
+    remarks_.push_back(fmt::format(
+        "{}: the 3D slices of '{}' leave a part of {} of {} meshes out "
+        "(the first is {})",
+        index_.path.string(), source().name, partly.size(), covered.size(), *partly.begin() + 1));
   }
 }
 

@@ -44,6 +44,24 @@ double cellVolume(const FdsLattice& lattice) {
   return lattice.bounds().size().prod() / static_cast<double>(lattice.cellCount());
 }
 
+/// Whether a lattice has cells of another one of its mesh; their outer planes may have been moved.
+bool isPartOf(const FdsLattice& one, const FdsLattice& whole) {
+  if (one.mesh != whole.mesh || &one == &whole || one.thinAxis >= 0 || whole.thinAxis >= 0)
+    return false;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& own = one.planes[axis];
+    const auto& all = whole.planes[axis];
+    const double same = meshSeparation(one, axis, kMeshSeparation);
+    const auto first = std::ranges::lower_bound(all, own.front() - same);
+    if (all.end() - first < static_cast<std::ptrdiff_t>(own.size()) ||
+        !std::equal(
+            own.begin(), own.end(), first,
+            [&](double a, double b) { return std::abs(a - b) <= same; }))
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double meshSeparation(std::span<const FdsLattice> lattices) {
@@ -83,10 +101,18 @@ Result<std::shared_ptr<const FdsGrid>> FdsGrid::create(std::vector<FdsLattice> l
   grid->table_.assign(static_cast<std::size_t>(parts), -1);
   std::vector<int> order(grid->lattices_.size());
   std::iota(order.rbegin(), order.rend(), 0);
-  // Layers lie over what stands in for the rest of their mesh.
+  // Layers lie over what stands in for the rest of their mesh. A part of a mesh has the cells of
+  // all of it, although their mean may be another.
+  std::vector<double> cell;
+  for (const FdsLattice& one : grid->lattices_) {
+    cell.push_back(cellVolume(one));
+    for (const FdsLattice& other : grid->lattices_) {
+      if (isPartOf(one, other) || isPartOf(other, one))
+        cell.back() = std::min(cell.back(), cellVolume(other));
+    }
+  }
   const auto rank = [&](int lattice) {
-    const FdsLattice& one = grid->lattices_[lattice];
-    return std::pair(one.thinAxis >= 0, -cellVolume(one));
+    return std::pair(grid->lattices_[lattice].thinAxis >= 0, -cell[lattice]);
   };
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) < rank(b); });
   for (const int index : order) {

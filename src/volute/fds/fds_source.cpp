@@ -330,6 +330,28 @@ int meshesOf(const FdsSource& source) {
   return static_cast<int>(meshes.size());
 }
 
+std::set<int> meshesInPart(const SmvIndex& index, const FdsSource& source) {
+  std::set<int> partly;
+  if (source.kind != FdsFileKind::kSlice || !source.volume)
+    return partly;
+  std::map<int, std::uint64_t> cells;
+  for (const FdsSourcePart& part : source.parts) {
+    const auto& nodes = index.slices[part.entry].nodes;  // isVolume(): it has some
+    std::uint64_t count = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int first =
+          source.cellCentred ? std::max(nodes->begin[axis], 1) - 1 : nodes->begin[axis];
+      count *= static_cast<std::uint64_t>(std::max(nodes->end[axis] - first, 0));
+    }
+    cells[part.mesh] += count;
+  }
+  for (const auto& [mesh, count] : cells) {
+    if (count < index.meshes[static_cast<std::size_t>(mesh)].cellCount())
+      partly.insert(mesh);
+  }
+  return partly;
+}
+
 std::vector<FdsSource> findSources(const SmvIndex& index) {
   std::vector<FdsSource> sources;
   const std::vector<std::string> species = smokingSpecies(index);

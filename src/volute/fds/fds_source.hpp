@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,6 +52,9 @@ const FdsLabels& labelsOf(const SmvIndex& index, const FdsSource& source,
 
 /// How many meshes it has files of.
 int meshesOf(const FdsSource& source);
+
+/// Those that its 3D slices leave a part of out, from 0.
+std::set<int> meshesInPart(const SmvIndex& index, const FdsSource& source);
 
 /// All ways that the index offers, best first: extinction as FDS wrote it, optical density, density
 /// of soot, visibility (which is capped), then 16-bit, density and opacity bytes; of equal ones

@@ -548,6 +548,16 @@ std::set<int> meshesIn(const FdsGrid& grid) {
   return meshes;
 }
 
+std::set<int> partlyKnown(const FdsCase& one) {
+  return meshesInPart(one.index(), one.source());
+}
+
+/// What is in one set and not in another.
+std::set<int> without(std::set<int> meshes, const std::set<int>& those) {
+  for (const int mesh : those) meshes.erase(mesh);
+  return meshes;
+}
+
 /// Whether a case stores a time before or after those of others.
 bool isBeyond(std::span<const double> times, std::span<const double> known) {
   return (times.front() < known.front() && !storedPlace(known, times.front())) ||
@@ -616,7 +626,7 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
   std::vector<FdsCase> others;
   const bool cut = first.source().quantity == SmokeQuantity::kVisibility;
   std::vector<double> known(first.times().begin(), first.times().end());
-  std::set<int> meshes = meshesIn(first.grid());
+  std::set<int> meshes = meshesIn(first.grid()), partly = partlyKnown(first);
   for (const FdsSource& source : first.sources()) {
     if (source.name == first.source().name || source.species != first.source().species)
       continue;
@@ -634,8 +644,12 @@ std::vector<FdsCase> fillingSources(const FdsCase& first, const FdsOptions& opti
     const bool precise = cut && source.quantity != SmokeQuantity::kVisibility;
     const bool finer = isFiner(*opened, first) && replaces(*opened, first);
     const std::size_t before = meshes.size();
-    meshes.merge(meshesIn(opened->grid()));
-    if (!beyond && !precise && !finer && meshes.size() == before && first.isWhole()) {
+    const std::set<int> its = meshesIn(opened->grid());
+    const bool completes = without(partly, its).size() < partly.size();
+    if (opened->source().volume)
+      partly = without(partly, without(its, partlyKnown(*opened)));
+    meshes.insert(its.begin(), its.end());
+    if (!beyond && !precise && !finer && !completes && meshes.size() == before && first.isWhole()) {
       // Perhaps because it is cut.
       for (const Remark& remark : opened->leftOut()) {
         if (unread != nullptr &&
@@ -668,10 +682,10 @@ FdsSight::FdsSight(FdsCase fds, std::string name, std::uint64_t maxMemory,
   std::ranges::sort(times_);
   events_ = obstructionEvents(case_.index());
   bounds_ = case_.bounds();
-  std::set<int> known = meshesIn(case_.grid());
+  std::set<int> known = meshesIn(case_.grid()), partly = partlyKnown(case_);
   for (const FdsCase& other : others_) {
     for (const FdsLattice& lattice : other.grid().lattices()) {
-      if (!known.contains(lattice.mesh))
+      if (!known.contains(lattice.mesh) || partly.contains(lattice.mesh))
         bounds_.extend(lattice.bounds());
     }
     known.merge(meshesIn(other.grid()));
@@ -722,8 +736,15 @@ std::vector<Remark> FdsSight::remarks() const {
     }
   }
   std::set<int> known = meshesIn(case_.grid());
+  const std::set<int> partly = partlyKnown(case_);
   for (const FdsCase& other : others_) {
     std::set<int> its = meshesIn(other.grid());
+    if (without(partly, its).size() < partly.size()) {
+      remarks.push_back(
+          fmt::format("{}: {} serves where the 3D slices of {} leave a part of their "
+                      "mesh out",
+                      name_, other.source().name, case_.source().name));
+    }
     if (std::ranges::includes(known, its))
       continue;
     remarks.push_back(fmt::format("{}: {} serves in meshes of which {} has no file", name_,
@@ -854,7 +875,8 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
     }
     return all;
   };
-  std::set<int> known = meshesOf(of);
+  // Sources of a part of a mesh leave the rest of it to others, to several layers as well.
+  std::set<int> partly = partlyKnown(of), known = without(meshesOf(of), partly);
   if (known.size() == meshes.size())
     return field;
   std::vector<FdsLattice> lattices;
@@ -881,11 +903,12 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
       continue;
     VOLUTE_ASSIGN(const FdsField more, fieldBeside(of, other, time));
     take(more, other, known);
-    known.merge(its);
+    its = without(its, partlyKnown(other));
+    known.merge(other.source().volume ? its : without(its, partly));
   }
   for (std::size_t mesh = 0; mesh < meshes.size(); ++mesh) {
     const auto number = static_cast<int>(mesh);
-    if (known.contains(number))
+    if (known.contains(number) || partly.contains(number))
       continue;
     const Unknown& unknown = unknownMesh(number, time);
     lattices.push_back({number, meshes[mesh].planes});
@@ -894,6 +917,8 @@ Result<FdsField> FdsSight::completed(FdsField field, const FdsCase& of, double t
     cells.push_back(unknown.cells);
     from.emplace_back(nullptr, mesh);
   }
+  if (lattices.size() == field.grid().lattices().size())
+    return field;
   auto whole = std::ranges::find(wholes_, from, &Whole::from);
   if (whole == wholes_.end()) {
     VOLUTE_ASSIGN(auto grid, FdsGrid::create(std::move(lattices), std::move(held)));

@@ -285,6 +285,56 @@ TEST(FdsSight, LayersWithMoreTimesServeBetweenThoseOfAVolume) {
   EXPECT_GT(missed, 10);
 }
 
+// A mesh of stretched cells, of which 3D slices know a part well, and others the rest.
+TEST(FdsSight, A3dSliceOfAPartOfAMeshLeavesTheRestToOthers) {
+  const auto lineOf = [](FdsSight& sight) {
+    const SightLine line{{1.05, 0.4, 0.4}, {1.95, 0.4, 0.4}};
+    Sight seen;
+    sight.readAt(0).value()->look({&line, 1}, {&seen, 1});
+    return seen;
+  };
+  const auto sightOf = [](const MadeCase& made, const std::string& source) {
+    FdsCase fds = made.open({.source = source});
+    auto others = fillingSources(fds, {});
+    return FdsSight(std::move(fds), "made", 1 << 30, std::move(others));
+  };
+  MadeCase made;
+  made.index.meshes = {{kSecond, {}, {}}};
+  const auto add = [&](const Indices& at, const std::string& quantity, const std::string& unit,
+                       const std::string& name, double value) {
+    const fdswriter::Slice slice{at, quantity, "short", unit};
+    made.add(slice, name,
+             {{0, fdswriter::atNodes(kSecond, at, [&](auto...) { return value; })},
+              {9, fdswriter::atNodes(kSecond, at, [&](auto...) { return value; })}});
+  };
+  const std::string smoke = "SOOT EXTINCTION COEFFICIENT";
+  add({2, 4, 0, 8, 0, 6}, smoke, "1/m", "part.sf", 1);  // x >= 1.3
+  FdsSight alone = sightOf(made, "");
+  EXPECT_FALSE(lineOf(alone).covered);
+  EXPECT_NEAR(alone.bounds().min.x(), 1.3, 1e-9);
+  add({0, 4, 0, 8, 3, 3}, smoke, "1/m", "flat.sf", 2);  // z = 0.4
+  FdsSight withLayer = sightOf(made, "");
+  EXPECT_TRUE(lineOf(withLayer).covered);
+  EXPECT_NEAR(lineOf(withLayer).depth, 2 * 0.9, 1e-6) << "the layer lies over the part";
+  EXPECT_THAT(sentences(withLayer.remarks()), ::testing::Contains(::testing::HasSubstr(
+                                                  "slice-extinction serves where the 3D slices "
+                                                  "of slice3d-extinction leave a part")));
+  add(whole(kSecond), "SOOT OPTICAL DENSITY", "1/m", "whole.sf", 3 / std::log(10.0));
+  const auto at = [](FdsSight& sight, const Vec3& point) {
+    double k = 0;
+    sight.readAt(0).value()->extinction({&point, 1}, {&k, 1});
+    return k;
+  };
+  FdsSight all = sightOf(made, "");
+  EXPECT_NEAR(at(all, {1.2, 0.4, 0.1}), 3, 1e-6) << "the whole";
+  EXPECT_NEAR(at(all, {1.5, 0.4, 0.1}), 1, 1e-6) << "the better one in its part";
+  EXPECT_NEAR(at(all, {1.2, 0.4, 0.4}), 2, 1e-6) << "the layer";
+  EXPECT_EQ(all.bounds().min.x(), 1);
+  // A volume is of one source.
+  EXPECT_EQ(made.open({.volume = true}).source().name, "slice3d-optical-density");
+  EXPECT_EQ(made.open().source().name, "slice3d-extinction");
+}
+
 TEST(FdsSight, TheSmokeOfOneSpeciesDoesNotServeForThatOfAnother) {
   MadeCase made;
   for (const std::string species : {"ACETONE", "SOOT"}) {

@@ -193,7 +193,6 @@ Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::stri
                     "{}: {} is outside of the case; expected {:g} to {:g} m", index.path.string(),
                     quantity, opened.bounds().min[named.axis], opened.bounds().max[named.axis]);
       }
-      const FdsSource& source = opened.source();
       if (source.kind == FdsFileKind::kSlice || source.kind == FdsFileKind::kPlot)
         sheet.unit_ = labelsOf(index, source, source.parts.front()).unit;
       sheet.case_ = std::make_shared<FdsCase>(std::move(opened));
