@@ -777,6 +777,17 @@ std::vector<Remark> FdsSight::remarks() const {
   return remarks;
 }
 
+std::vector<Remark> FdsSight::remarksOn(double largest) const {
+  constexpr double kSoot = 8700;  // [m2/kg]
+  constexpr double kAir = 1.2;    // [kg/m3]
+  if (!(largest > kSoot * kAir))
+    return {};
+  return {{RemarkCode::kDoubtful,
+           fmt::format("{}: extinction up to {:.3g}/m, as of {:.2g} kg/m3 of soot, more than air "
+                       "weighs: a file is damaged, or holds another quantity than it says",
+                       name_, largest, largest / kSoot)}};
+}
+
 /// The first that stores a time; between the times of all that know it, the one whose times are
 /// closest together of those that can take the first's place. And the time to read of it: between
 /// what two of them store, the next one that is stored.
@@ -994,6 +1005,12 @@ Result<std::shared_ptr<const SightSnapshot>> FdsSight::readOwnAt(double when) {
     VOLUTE_ASSIGN(field, refined(std::move(field), *best, stored));
   }
   VOLUTE_ASSIGN(field, completed(std::move(field), *best, stored));
+  std::vector<float> most(field.allValues().size(), 0.0F);  // what is not known is NaN
+  parallelFor(most.size(), [&](std::size_t l) {
+    for (const float value : field.values(l).value)
+      most[l] = value > most[l] && std::isfinite(value) ? value : most[l];
+  });
+  for (const float one : most) largest_ = std::max(largest_.value_or(0), static_cast<double>(one));
   if (!sameGeometry(field, when))
     ++geometry_;
   lastTime_ = when;

@@ -94,6 +94,10 @@ class FdsSight final : public SightField {
 
   std::vector<Remark> remarks() const override;
 
+  std::optional<double> largestRead() const override { return largest_; }
+
+  std::vector<Remark> remarksOn(double largest) const override;
+
   std::span<const double> times() const override { return times_; }
 
   /// By its heat release, which FDS writes from the beginning on.
@@ -157,6 +161,7 @@ class FdsSight final : public SightField {
   std::uint64_t maxMemory_;
   std::uint64_t geometry_ = 0;
   double lastTime_ = 0;
+  std::optional<double> largest_;  // [1/m]
   std::optional<FdsField> last_;
 };
 

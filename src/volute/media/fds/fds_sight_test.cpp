@@ -335,6 +335,21 @@ TEST(FdsSight, A3dSliceOfAPartOfAMeshLeavesTheRestToOthers) {
   EXPECT_EQ(made.open().source().name, "slice3d-extinction");
 }
 
+TEST(FdsSight, ExtinctionThatNoSmokeHasIsTold) {
+  MadeCase made;
+  const fdswriter::Slice slice{whole(kFirst)};
+  auto values = fdswriter::atNodes(kFirst, slice.at, linear), spoilt = values;
+  spoilt[40] = 1e30F;
+  made.add(slice, "made.sf", {{0, values}, {1, spoilt}, {2, values}});
+  FdsSight sight(made.open(), "made");
+  ASSERT_TRUE(sight.readAt(0));
+  EXPECT_THAT(sight.remarksOn(sight.largestRead().value()), ::testing::IsEmpty());
+  ASSERT_TRUE(sight.readAt(1));
+  ASSERT_TRUE(sight.readAt(2));
+  EXPECT_THAT(sentences(sight.remarksOn(sight.largestRead().value())),
+              ::testing::ElementsAre(::testing::HasSubstr("extinction up to 1e+30/m")));
+}
+
 TEST(FdsSight, TheSmokeOfOneSpeciesDoesNotServeForThatOfAnother) {
   MadeCase made;
   for (const std::string species : {"ACETONE", "SOOT"}) {
