@@ -201,11 +201,10 @@ void FdsCase::tellExtinction() {
   if (part.assumesExtinction) {
     const bool unknown = !ofInput || input.path.empty();
     code = unknown ? RemarkCode::kAssumed : RemarkCode::kNote;
-    from =
-        fmt::format("FDS's default{}", !unknown  ? ""
-                                       : ofInput ? ": its input file is not there to say another "
-                                                   "MASS_EXTINCTION_COEFFICIENT"
-                                                 : ": its .smv says none");
+    from = fmt::format("FDS's default{}", !unknown  ? ""
+                                          : ofInput ? ": no input file is read that says another "
+                                                      "MASS_EXTINCTION_COEFFICIENT"
+                                                    : ": its .smv says none");
   } else if (!ofInput || !input.massExtinction) {
     return;  // that of the smoke's own entry, or of the caller
   } else if (part.massExtinction != *input.massExtinction) {
@@ -332,8 +331,8 @@ Status FdsCase::findVisibility() {
       options_.visibilityFactor ? "as stated"
       : input.visibilityFactor
           ? fmt::format("VISIBILITY_FACTOR of {}", inputName)
-          : fmt::format("FDS's default{}", input.path.empty() ? ": its input file is not there to "
-                                                                "say another VISIBILITY_FACTOR"
+          : fmt::format("FDS's default{}", input.path.empty() ? ": no input file is read that says "
+                                                                "another VISIBILITY_FACTOR"
                                                               : "");
   if (options_.visibilityFactor && input.visibilityFactor &&
       *options_.visibilityFactor != *input.visibilityFactor)

@@ -314,7 +314,7 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
   {
     FdsCase read = opened(folder / "made.smv");
     EXPECT_THAT(sentences(read.remarks()),
-                ElementsAre(AllOf(HasSubstr("C = 3 (FDS's default: its input file is not there"),
+                ElementsAre(AllOf(HasSubstr("C = 3 (FDS's default: no input file is read"),
                                   HasSubstr("cut at 50 m (the largest value"))));
     EXPECT_EQ(depthOf(fieldAt(read, 0), line).low, 0) << "50 m is this case's cap";
   }
@@ -331,6 +331,10 @@ TEST(FdsCase, visibilityHasTheFactorAndCapOfTheInput) {
   FdsCase stated = opened(folder / "made.smv", options);
   EXPECT_THAT(sentences(stated.remarks()),
               ElementsAre(HasSubstr("C = 3 (as stated, although made.fds says 8)")));
+  fdswriter::saveText(folder / "made.fds", "&HEAD CHID='made' /\n&MISC VISIBILITY_FACTOR=0 /\n");
+  EXPECT_THAT(sentences(opened(folder / "made.smv").remarks()),
+              testing::Contains(HasSubstr("C = 3 (FDS's default: no input file is read that says")))
+      << "it is there, and refused";
 }
 
 TEST(FdsCase, theMassExtinctionOfSootIsTold) {
@@ -356,8 +360,8 @@ TEST(FdsCase, theMassExtinctionOfSootIsTold) {
     return AllOf(::testing::Field(&Remark::code, code),
                  ::testing::Field(&Remark::sentence, HasSubstr(text)));
   };
-  EXPECT_THAT(told(""), is(RemarkCode::kAssumed,
-                           "soot is 8700 m2/kg (FDS's default: its input file is not there"));
+  EXPECT_THAT(told(""),
+              is(RemarkCode::kAssumed, "soot is 8700 m2/kg (FDS's default: no input file is read"));
   const std::string one = "&REAC FUEL='A', MASS_EXTINCTION_COEFFICIENT=4000 /\n";
   EXPECT_THAT(told("&REAC FUEL='A' /\n"), is(RemarkCode::kNote, "8700 m2/kg (FDS's default)"));
   EXPECT_THAT(told(one), is(RemarkCode::kNote, "4000 m2/kg (MASS_EXTINCTION_COEFFICIENT of made"));
