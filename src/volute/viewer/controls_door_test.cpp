@@ -150,6 +150,16 @@ TEST_F(DoorControls, AFileOfOthersIsNotReplacedUnasked) {
   EXPECT_EQ(app().document().files().replacing(), nullptr) << "it is the viewer's own by now";
 }
 
+TEST_F(DoorControls, TheVolumeThatIsShownIsNotReplacedByItsScene) {
+  open("blob.npy");
+  const auto size = std::filesystem::file_size(folder_.path("blob.npy"));
+  app().settings().sceneName = folder_.path("blob.npy");
+  script_->press(Key::kS, true);
+  load();
+  EXPECT_THAT(app().document().error(), ::testing::HasSubstr("would be replaced"));
+  EXPECT_EQ(std::filesystem::file_size(folder_.path("blob.npy")), size);
+}
+
 TEST_F(DoorControls, AFileOfASceneThatMovedIsAskedFor) {
   const std::filesystem::path now = folder_.path("elsewhere");
   std::filesystem::create_directories(now);

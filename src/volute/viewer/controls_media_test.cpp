@@ -4,6 +4,7 @@
 // taken wrongly. Driven by the input layer.
 #include <nlohmann/json.hpp>
 
+#include "volute/base/read_text.hpp"
 #include "volute/viewer/controls_testing.hpp"
 #include "volute/viewer/scene_document.hpp"
 
@@ -556,6 +557,44 @@ TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
   ASSERT_TRUE(document->set("/media/0/wind", {3, 1, 0}, quiet));
   EXPECT_EQ(document->info().canvases[0].fog->levels().map().c, painted);
   EXPECT_EQ(document->info().canvases[0].file, folder.path("other.png"));
+}
+
+/// Opened alone or in a scene, by whatever name, and however many files a name stands for.
+TEST(SceneDocument, NothingThatIsShownIsReplaced) {
+  SceneFolder folder;
+  Progress quiet;
+  std::filesystem::create_symlink(folder.path("blob.npy"), folder.path("link.json"));
+  const auto bytesOf = [&](const char* name) { return *readText(folder.path(name)); };
+  const std::string blob = bytesOf("blob.npy"), map = bytesOf("map.png");
+  const std::string smoke = bytesOf("more.vtu"), ground = bytesOf("ground.obj");
+  const auto expectKept = [&](Document& document, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+      const Status saved = document.save(folder.path(name), {}, {});
+      ASSERT_FALSE(saved) << name;
+      EXPECT_EQ(saved.error().code, ErrorCode::kInvalidArgument);
+      EXPECT_THAT(saved.error().message, ::testing::HasSubstr("is shown and would be replaced"));
+    }
+    EXPECT_EQ(bytesOf("blob.npy"), blob);
+    EXPECT_EQ(bytesOf("map.png"), map);
+    EXPECT_EQ(bytesOf("more.vtu"), smoke);
+    EXPECT_EQ(bytesOf("ground.obj"), ground);
+  };
+  auto alone = SceneDocument::open(folder.path("blob.npy"), {}, quiet);
+  ASSERT_TRUE(alone);
+  expectKept(**alone, {"blob.npy", "./blob.npy", "link.json"});
+  EXPECT_TRUE((*alone)->save(folder.path("blob.npy.json"), {}, {}));
+  auto mesh = SceneDocument::open(folder.path("smoke.json"), {}, quiet);
+  ASSERT_TRUE(mesh);
+  expectKept(**mesh, {"smoke.pvd", "smoke.vtu", "more.vtu", "ground.obj"});
+  EXPECT_TRUE((*mesh)->save(folder.path("smoke.json"), {}, {})) << "its own file";
+  const auto fog = documentOf(folder, kBlown, quiet);
+  ASSERT_TRUE(fog);
+  expectKept(*fog, {"map.png", "blob.npy"});
+  const Image painted(14, 10, 1);
+  EXPECT_TRUE(fog->saveFogMap(0, folder.path("map.png"), painted)) << "its own map";
+  std::filesystem::create_symlink(folder.path("blob.npy"), folder.path("link.png"));
+  EXPECT_FALSE(fog->saveFogMap(0, folder.path("link.png"), painted));
+  EXPECT_EQ(bytesOf("blob.npy"), blob);
 }
 
 TEST(SceneDocument, AVolumeThatIsMovedKeepsItsSize) {

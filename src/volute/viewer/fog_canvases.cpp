@@ -70,6 +70,7 @@ Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, 
                 target, most);
   }
   VOLUTE_ASSIGN(const Canvas found, canvasAt(scene_, canvas));
+  VOLUTE_TRY(checkNotShown(target, found.fog->description().maps.front()));
   VOLUTE_TRY(writeMap(target, map));
   nlohmann::ordered_json json = scene_.json();
   json[nlohmann::ordered_json::json_pointer(found.path)]["map"] =

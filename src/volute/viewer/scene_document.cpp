@@ -11,6 +11,7 @@
 #include "volute/base/read_text.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/lighting/light_memory.hpp"
 #include "volute/scene/scene_end.hpp"
 #include "volute/scene/scene_names.hpp"
@@ -362,7 +363,23 @@ Status SceneDocument::redo(Progress& progress) {
   return {};
 }
 
+/// That `target` is none of the files that the scene shows, but for `own`, which is written. The
+/// first of Scene::files() is what was opened: the scene's own file, or what is shown.
+Status SceneDocument::checkNotShown(const std::string& target, const std::string& own) const {
+  const auto names = scene_.files();
+  for (auto name = names.begin() + (scene_.isFile() ? 1 : 0); name != names.end(); ++name) {
+    for (const auto& file : filesOf(*name)) {
+      if (file != own && replaces(target, file.string())) {
+        return fail(ErrorCode::kInvalidArgument,
+                    "{}: is shown and would be replaced; give another name", target);
+      }
+    }
+  }
+  return {};
+}
+
 Status SceneDocument::save(const std::string& target, const StartView& view, const ViewLook& look) {
+  VOLUTE_TRY(checkNotShown(target, ""));
   Json json = scene_.json();
   Json& camera = json["camera"];
   camera["eye"] = vectorOf(view.eye);

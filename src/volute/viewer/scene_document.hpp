@@ -60,6 +60,7 @@ class SceneDocument final : public Document {
 
   Box3 content() const { return sight_ ? sight_->content : scene_.bounds(); }
 
+  [[nodiscard]] Status checkNotShown(const std::string& target, const std::string& own) const;
   Result<nlohmann::ordered_json> withFile(const std::string& path, Progress& progress) const;
   SceneEdit withBounds(SceneEdit edit) const;
   void addSurfaces(const SceneRequest& request,
