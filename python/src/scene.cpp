@@ -338,13 +338,14 @@ PYBIND11_MODULE(_scene, m) {
       .def_static(
           "make",
           [](const std::string& json, const std::string& file, const Volumes& volumes,
-             bool measured, bool /*depth*/, std::uint64_t maxMemory, const py::object& listener) {
+             bool measured, bool depth, std::uint64_t maxMemory, const py::object& listener) {
             const auto own = std::make_shared<MemoryVolumes>();
             addVolumes(*own, volumes);
             Scene scene = run(listener, [&](Progress& progress) {
               SceneOptions options = sceneOptions("{}", maxMemory);
               options.files.volumes = own;
               options.files.measured = measured;
+              options.files.depths = depth;
               return Scene::make(jsonOf(json), file, options, progress);
             });
             return std::make_unique<PythonScene>(std::move(scene), own, maxMemory);

@@ -53,7 +53,9 @@ Result<std::unique_ptr<SightField>> lookedThrough(const std::string& path, const
                                                   const SceneOptions& options, Progress& progress) {
   if (scene.empty())
     return openSight(path, options, progress);
-  VOLUTE_ASSIGN(auto made, Scene::make(jsonOf(scene), path, options, progress));
+  SceneOptions measuring = options;
+  measuring.files.depths = true;
+  VOLUTE_ASSIGN(auto made, Scene::make(jsonOf(scene), path, measuring, progress));
   return sightOf(std::move(made), options, progress);
 }
 

@@ -914,10 +914,21 @@ time.sleep(float(sys.argv[2]))
             for sight in (volute.Sight(ones, bounds=bounds, unit=unit), volute.Sight(self.path / "own.volute")):
                 self.assertAlmostEqual(sight.look(*line)["depth"][0], depth, delta=1e-3 * depth)
                 self.assertIn("is taken as the extinction", sight.remarks[0])
+            camera = {"eye": [-1, 0.5, 0.5], "target": [2, 0.5, 0.5], "ortho": 0.1}
+            entry = {"kind": "volume", "file": ones, "bounds": bounds, "unit": unit}
+            for shown in (volute.Scene(ones, bounds=bounds, unit=unit), volute.Scene(self.path / "own.volute"),
+                          volute.Scene({"format": "volute-scene-2", "media": [entry]}),
+                          volute.Scene({"format": "volute-scene-2", "media": [entry | {"preset": "smoke"}]})):
+                found = shown.render(camera=camera, size=(2, 2), aov="optical-depth")
+                np.testing.assert_allclose(found, depth, rtol=1e-3)
+                np.testing.assert_allclose(shown.render(camera=camera, size=(2, 2), aov="transmittance"), np.exp(-found), atol=1e-6)
         for unit in ("", "kg/m3", "radiance/m"):
             with self.assertRaisesRegex(volute.InvalidArgument, "it would hide nothing; give extinction") as raised:
                 volute.Sight(ones, bounds=bounds, unit=unit)
             self.assertEqual(raised.exception.member, "extinction")
+            if unit:
+                with self.assertRaisesRegex(volute.InvalidArgument, "it would hide nothing; give extinction"):
+                    volute.render(ones, bounds=bounds, unit=unit, aov="optical-depth")
         self.assertEqual(volute.Sight(ones, bounds=bounds, emission=1.0).look(*line)["depth"][0], 0)
         half = ones.copy()
         half[..., 4:] = -1

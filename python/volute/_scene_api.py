@@ -334,6 +334,7 @@ class Scene:
             for opened in [self._scene] + [self._shown] * (self._shown not in (None, self._scene)):
                 opened.change(said, more, listener)
                 opened.keep([one[0] for one in self._added + more if "memory:" + one[0] not in changed])
+        self._deep = None
         self._added = [one for one in self._added if "memory:" + one[0] not in changed] + more
         self._maker = "make", (said, self._scene.path)
 
@@ -343,7 +344,7 @@ class Scene:
         camera: a dict as in scenes: {"eye": [x,y,z], "target": [x,y,z], "fov": degrees} or "ortho": height [m], "up", "size";
             default the scene's, else one that frames the scene. size: (width, height) [pixels], default the camera's or 800 x 600.
         renderer: "cpu"; "gl", by OpenGL 4.5, a context for each call; or "reference", in double. aov: "optical-depth" or "transmittance" instead of light, shape (height, width);
-            of a file or array alone that states no extinction, 1 for a unit of its values is taken, as `volute render --aov` does.
+            where no extinction is stated it is as the unit of the values says, of a file or array alone without a unit 1, as for `volute render --aov`.
         background: (r, g, b) instead of the scene's. progress: a function (stage, done, total), or True for a bar.
         measured: one ray through each pixel's centre, the file's own basis, as `volute render --measured`; False: as a picture is made,
             with the appearance that a file alone has, and smooth edges: the .exr of `volute render`. time=None: as in picture()."""
@@ -354,8 +355,8 @@ class Scene:
         if measured and self._unclear:
             raise self._unclear
         scene = self._scene if measured else self._pictured(progress)
-        if aov is not None and self._maker[0] == "open":  # what only shines has a depth: of an extinction of 1, as for `volute render`
-            self._scene.path  # says that it is closed
+        self._scene.path  # says that it is closed
+        if aov is not None and (self._maker[0] == "open" or any(one.get("kind") == "volume" and "extinction" not in one for one in self.json.get("media", []))):
             self._deep = scene = self._deep or self._opened(True, progress, depth=True)
         with Listener(progress) as listener:
             return scene.render(said, listener)

@@ -13,6 +13,7 @@ import sys
 
 import sight_cases
 import support
+from meaning_formats import netcdf
 from sight_cases import FdsCase, Mesh
 
 COLUMNS = ("time,eye_x,eye_y,eye_z,sign,distance,angle,blocked,optical_depth,optical_depth_low,optical_depth_high,"
@@ -667,6 +668,20 @@ class Damage(Visibility):
         self.assertIn("values go from -1 to 1; expected an extinction", self.fails(1, "visibility", self.path("wrong.npy"), "--extinction", 2, *look))
         scene = {"format": "volute-scene-2", "media": [{"kind": "volume", "file": "smoke.npy"}]}
         self.path("scene.json").write_text(json.dumps(scene))
+        self.assertIn("/media/0 takes no light away and hides nothing", self.works("visibility", self.path("scene.json"), *look).message)
+
+    def test_a_volume_of_a_scene_is_what_its_unit_says(self):
+        """What a look makes of it is for pictures."""
+        self.path("a.nc").write_bytes(netcdf(units={"s": "1/cm"}, change=lambda values: [0.01] * len(values)))
+        look = ["--signs", self.signs(self.east(position=[4, 1.25, 1])), "--eyes", self.eyes([(-1, 1.25, 1)]), "-o", self.path("out"), "--criteria", "none"]
+        for entry in ({}, {"preset": "smoke"}, {"preset": "auto"}):
+            self.path("scene.json").write_text(json.dumps({"format": "volute-scene-2", "media": [{"kind": "volume", "file": "a.nc", **entry}]}))
+            message = self.works("visibility", self.path("scene.json"), *look).message
+            self.assertAlmostEqual(self.rows()[0]["optical_depth"], 3, delta=1e-4)
+            self.assertIn("'soot' is in 1/cm and is taken as the extinction", message)
+            self.assertNotIn("hides nothing", message)
+        self.path("a.nc").write_bytes(netcdf(units={"s": "kg/m3"}))
+        self.path("scene.json").write_text(json.dumps({"format": "volute-scene-2", "media": [{"kind": "volume", "file": "a.nc"}]}))
         self.assertIn("/media/0 takes no light away and hides nothing", self.works("visibility", self.path("scene.json"), *look).message)
 
     def test_unknown_air_is_not_clear_air(self):

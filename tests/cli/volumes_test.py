@@ -50,6 +50,51 @@ class Volumes(support.TestCase):
         self.assertRegex(said(extinction=0.25), r"smoke from .*1\), albedo 0.9, asymmetry 0.3")
         self.assertRegex(said(extinction=0.25, albedo=[0.5] * 3), r"smoke from .*1\), asymmetry 0.3")
 
+    def test_optical_depths_are_as_the_unit_says(self):
+        """Six voxels of 0.5 m of 0.5, along x, whatever the file, the scene and the preset."""
+        look = {"eye": [-9, 1.25, 1], "target": [1, 1.25, 1], "ortho": 0.01, "size": [2, 2]}
+        self.path("camera.json").write_text(json.dumps(look))
+
+        def depth(source, *more, aov="optical-depth", code=0):
+            options = ("render", self.path(source), "-o", self.path("x.exr"), "--aov", aov, *more)
+            if not source.endswith(".json"):
+                options += ("--camera", self.path("camera.json"))
+            if code:
+                return self.fails(code, *options)
+            message = self.works(*options).message
+            return read_exr(self.path("x.exr")).values[0], message
+
+        def scene(**entry):
+            self.path("scene.json").write_text(json.dumps({
+                "format": "volute-scene-2", "camera": look, "media": [{"kind": "volume", "file": "a.nc", **entry}]}))
+            return "scene.json"
+
+        for unit, factor in (("1/m", 1), ("m-1", 1), ("1/cm", 100), ("1/km", 1e-3), ("", 1)):
+            with self.subTest(unit):
+                self.path("a.nc").write_bytes(netcdf(units={"s": unit}, change=lambda values: [0.5] * len(values)))
+                found, message = depth("a.nc")
+                self.assertAlmostEqual(found, 1.5 * factor, delta=1e-5 * factor)
+                self.assertEqual("is taken as the extinction" in message, factor != 1)
+                passed, _ = depth("a.nc", aov="transmittance")
+                self.assertAlmostEqual(passed, math.exp(-1.5 * factor), delta=1e-6)
+                self.assertAlmostEqual(depth("a.nc", "--extinction", 2)[0], 3, delta=1e-5)
+                self.assertAlmostEqual(depth(scene(extinction=2))[0], 3, delta=1e-5)
+                self.assertEqual(depth(scene(extinction=0))[0], 0)
+                found, message = depth(scene())
+                self.assertAlmostEqual(found, 1.5 * factor if unit else 0, delta=1e-5 * factor)
+                self.assertEqual("is taken as the extinction" in message, bool(unit))
+                for said in (depth("a.nc", "--preset", "smoke"), depth(scene(preset="smoke"))):
+                    if unit:
+                        self.assertAlmostEqual(said[0], 1.5 * factor, delta=1e-5 * factor)
+                        self.assertIn("smoke from 'soot' (0 to 0.5), albedo", said[1])
+                    else:
+                        self.assertRegex(said[1], "smoke from 'soot' .*, extinction [0-9.]+, albedo")
+        for unit in ("dB/m", "kg/m3", "K"):
+            self.path("a.nc").write_bytes(netcdf(units={"s": unit}))
+            self.assertIn(f"'soot' is in {unit}, which does not say how much light it takes away: it would hide nothing; give --extinction",
+                          depth("a.nc", code=2))
+            self.assertGreater(depth("a.nc", "--extinction", 1)[0], 1)
+
     def test_coordinates_of_arrays_are_heights_and_directions(self):
         def written(*more, **how):
             self.path("a.nc").write_bytes(netcdf(**how))

@@ -117,7 +117,8 @@ void tellOfMapsEnds(const FilmJob& job, Progress& progress) {
 void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions& options) {
   options.files.measured = use.measured;
   options.files.byTree = use.tree;
-  if (isScenePath(path) || (!use.depth && !use.moves && !use.values))
+  options.files.depths = use.depth;
+  if (isScenePath(path) || (!use.moves && !use.values))
     return;
   registerUsualMedia();
   if (use.values && !use.depth && !options.members->contains("preset") &&
@@ -126,13 +127,6 @@ void addUsualMembers(const std::string& path, const RenderUse& use, SceneOptions
   if (use.moves && !options.members->contains("interpolate") &&
       mediumKindOf(path, true)->fields().find("interpolate"))
     (*options.members)["interpolate"] = "auto";
-  // A preset that is asked for has an extinction of its own.
-  const bool preset = options.members->value("preset", "none") != "none";
-  if (!use.depth || preset || options.members->contains("extinction"))
-    return;
-  // Fire does not absorb by default; an optical depth of nothing would say nothing.
-  if (mediumKindOf(path, true)->fields().find("extinction"))
-    (*options.members)["extinction"] = 1;
 }
 
 Status prepare(FilmJob& job, const RenderRequest& request, std::uint64_t maxMemory,

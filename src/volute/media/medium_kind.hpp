@@ -37,7 +37,10 @@ struct OpenOptions {
   /// Defaults for measurements instead of appearance: the files' own basis.
   bool measured = true;
   bool sightOnly = false;  ///< for SceneMedium::sight() only: data for pictures are not read
-  bool byTree = false;     ///< pictures are drawn from the tree, which holds values and no light
+  /// Optical depths are measured: an extinction that nobody states is what the unit of the values
+  /// says, before what a look makes of them.
+  bool depths = false;
+  bool byTree = false;  ///< pictures are drawn from the tree, which holds values and no light
   std::shared_ptr<const LightCache> lightCache{};  ///< on disk, for the light of lamps; may be null
   std::shared_ptr<LightMemory> lightMemory{};      ///< consulted before it; may be null
   /// The team whose ranks each hold a share of a mesh in pieces and draw pictures together, with

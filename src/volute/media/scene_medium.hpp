@@ -54,6 +54,7 @@ struct MediumInfo {
   int channels = 3;                 ///< 1: its light is grey, and colour maps apply
   bool measured = false;            ///< shown without automatic exposure
   bool burns = false;               ///< somewhere it may be brighter than white
+  bool absorbs = true;              ///< takes light away
   std::optional<PictureLaw> law{};  ///< the law of pictures that it requests
   bool lawByC = false;  ///< C was said, not assumed, and nothing but the law depends on it
   bool shared = false;  ///< this process holds a share of it, see OpenOptions::team

@@ -21,7 +21,7 @@ std::vector<Remark> hidingNothing(const Scene& scene) {
   const auto& media = scene.json()["media"];
   for (std::size_t i = 0; i < media.size(); ++i) {
     const auto& entry = media[i];
-    if (entry.value("kind", "") != "volume" ||
+    if (entry.value("kind", "") != "volume" || scene.media()[i]->info().absorbs ||
         std::ranges::any_of(std::array{"extinction", "emission", "transfer", "preset"},
                             [&](const char* name) { return entry.contains(name); }))
       continue;
@@ -454,7 +454,9 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
                                               Progress& progress) {
   registerUsualMedia();
   if (isScenePath(path)) {
-    VOLUTE_ASSIGN(auto scene, Scene::open(path, options, progress));
+    SceneOptions measuring = options;
+    measuring.files.depths = true;
+    VOLUTE_ASSIGN(auto scene, Scene::open(path, measuring, progress));
     return sightOf(std::move(scene), options, progress);
   }
   const MediumKind& kind = *mediumKindOf(path, false);

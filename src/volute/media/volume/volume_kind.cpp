@@ -5,7 +5,6 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/remark_log.hpp"
-#include "volute/io/unit.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/placement_parameters.hpp"
 #include "volute/media/volume/volume_medium.hpp"
@@ -65,20 +64,23 @@ Result<std::shared_ptr<VolumeMedium>> volumeOf(const std::string& file, InputOpt
   return medium;
 }
 
-/// For lines of sight, where nothing says what the values are but their unit.
-Result<std::shared_ptr<VolumeMedium>> ofItsUnit(std::shared_ptr<VolumeMedium> medium,
+/// For lines of sight and optical depths, where nothing says what the values are but their unit.
+/// Where that says nothing either, kInvalidArgument if it is `needed`; else the medium as it is.
+Result<std::shared_ptr<VolumeMedium>> ofItsUnit(std::shared_ptr<VolumeMedium> medium, bool needed,
                                                 Progress& progress) {
   const VolumeInfo& info = medium->volume();
-  const auto perMetre = unitChange(info.unit, "1/m");
-  if (!perMetre) {
+  const auto perMetre = extinctionByUnit(info);
+  if (!perMetre && needed) {
     return failFor("extinction", ErrorCode::kInvalidArgument, Hint::set("extinction"),
                    "{}: '{}' is {}, which does not say how much light it takes away: it would hide "
                    "nothing",
                    medium->path(), info.name,
                    info.unit.empty() ? "without a unit" : fmt::format("in {}", info.unit));
   }
+  if (!perMetre)
+    return medium;
   Appearance appearance = medium->appearance();
-  appearance.extinction = perMetre->factor;
+  appearance.extinction = *perMetre;
   auto result = medium->with(appearance);
   Remark remark(RemarkCode::kAssumed,
                 fmt::format("{}: '{}' is in {} and is taken as the extinction", medium->path(),
@@ -200,8 +202,19 @@ class VolumeKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return volumeFields(); }
 
-  Result<std::shared_ptr<SceneMedium>> open(const Json& entry,
+  Result<std::shared_ptr<SceneMedium>> open(const Json& stated,
                                             MediumContext& context) const override {
+    const bool sightOnly = context.options.sightOnly;
+    const bool alone = extensionOf(context.file) != ".json";
+    const bool byUnit = (sightOnly || context.options.depths) && context.version >= 2 &&
+                        !stated.contains("extinction") && !stated.contains("transfer");
+    // Fire does not absorb by default; an optical depth of nothing would say nothing. A preset that
+    // is asked for has an extinction of its own.
+    const bool ofOne =
+        byUnit && alone && !sightOnly && (!stated.contains("preset") || stated["preset"] == "none");
+    Json entry = stated;
+    if (ofOne)
+      entry["extinction"] = 1;
     VOLUTE_ASSIGN(auto volume,
                   readAs<SceneVolume>(volumeFields(), entry, {context.file, context.path}));
     const FieldOrigin origin{context.file, context.path};
@@ -221,11 +234,12 @@ class VolumeKind final : public MediumKind {
     if (otherLook && !said)
       sayOtherLook(volume.file, input, context, reading, frame);
     VOLUTE_ASSIGN(const auto preset,
-                  applyPreset(looks                        ? VolumePreset::kAuto
-                              : volume.appearance.transfer ? VolumePreset::kNone
-                                                           : volume.preset,
-                              volume.file, input, volume.appearance, reading, frame,
-                              [&](const char* name) { return entry.contains(name); }));
+                  applyPreset(
+                      looks                        ? VolumePreset::kAuto
+                      : volume.appearance.transfer ? VolumePreset::kNone
+                                                   : volume.preset,
+                      volume.file, input, volume.appearance, reading, frame,
+                      [&](const char* name) { return entry.contains(name); }, byUnit));
     volume.input.grid = input.grid;
     VOLUTE_TRY(readFields(volumeFields(), entry, origin, &volume));  // what is said stands
     Appearance& appearance = volume.appearance;
@@ -276,9 +290,12 @@ class VolumeKind final : public MediumKind {
                            .in(context.file, context.path));
     }
     VOLUTE_ASSIGN(auto medium, volumeOf(volume.file, volume.input, appearance, context, frame));
-    if (context.options.sightOnly && !said && !entry.contains("extinction") &&
-        !appearance.surface) {
-      VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), remarkLog));
+    if (byUnit && !appearance.surface && (ofOne || !said || appearance.extinction > 0)) {
+      const VolumeInfo& info = medium->volume();
+      const bool needed = ofOne ? !info.unit.empty() && !info.levelSet : sightOnly && !said;
+      if (!ofOne || extinctionByUnit(info) != 1) {  // else it is so already
+        VOLUTE_ASSIGN(medium, ofItsUnit(std::move(medium), needed, remarkLog));
+      }
     }
     tellOfIdle(entry, *medium, context, remarkLog);
     tellPlainValues(*medium, remarkLog);

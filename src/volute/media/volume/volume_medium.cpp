@@ -202,6 +202,7 @@ MediumInfo VolumeMedium::describe() const {
     info.channels = 3;
   if (appearance_.transfer)
     info.channels = 3, info.measured = true;
+  info.absorbs = appearance_.extinction > 0 || appearance_.transfer;
   return info;
 }
 

@@ -8,11 +8,13 @@
 #include <cctype>
 #include <cmath>
 #include <iterator>
+#include <map>
 
 #include "volute/base/lower_case.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/codec/kept_grids.hpp"
 #include "volute/grid/look_figures.hpp"
+#include "volute/io/unit.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -217,9 +219,17 @@ class Grids {
     return "";
   }
 
+  /// By its unit, of a grid of which range() was asked.
+  std::optional<double> extinctionOf(const std::string& name) const {
+    return extinctions_.at(name);
+  }
+
   Result<LookFigures> range(const std::string& name) {
-    if (name == mainName())
+    extinctions_[name] = std::nullopt;
+    if (name == mainName()) {
+      extinctions_[name] = extinctionByUnit(info());
       return figuresOf(main_);
+    }
     InputOptions one = input_;
     one.grid = name;
     Progress quiet;
@@ -229,6 +239,7 @@ class Grids {
       return LookFigures();  // nothing is active in it
     if (!other)
       return tl::unexpected(std::move(other.error()));
+    extinctions_[name] = extinctionByUnit(other->source->info());
     other->source = asFinite(std::move(other->source), NotFinite::kRefuse, path_);
     keep(*other);
     if (auto figures = figuresOf(*other); figures || figures.error().code == ErrorCode::kCancelled)
@@ -269,6 +280,7 @@ class Grids {
   std::vector<std::string> names_;
   std::string taken_;
   std::vector<Remark> levelSets_;
+  std::map<std::string, std::optional<double>> extinctions_;
   bool named_ = true;
 };
 
@@ -385,10 +397,16 @@ double rounded(double value) {
 
 }  // namespace
 
+/// A level set is no amount of anything, whatever its distances are in.
+std::optional<double> extinctionByUnit(const VolumeInfo& info) {
+  const auto perMetre = info.levelSet ? std::nullopt : unitChange(info.unit, "1/m");
+  return perMetre ? std::optional(perMetre->factor) : std::nullopt;
+}
+
 Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, InputOptions& input,
                                  Appearance& appearance, Reading& reading,
                                  const std::shared_ptr<LoneFrame>& frame,
-                                 const std::function<bool(const char*)>& stated) {
+                                 const std::function<bool(const char*)>& stated, bool depths) {
   if (preset == VolumePreset::kNone)
     return preset;
   VOLUTE_ASSIGN(auto grids, Grids::open(path, input, reading, frame));
@@ -500,7 +518,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     for (const auto& [name, value] :
          {std::pair("extinction", appearance.extinction), std::pair("albedo", kSmokeAlbedo),
           std::pair("asymmetry", kSmokeAsymmetry)}) {
-      if (!stated || !stated(name))
+      const bool byUnit =
+          depths && name == std::string_view("extinction") && grids.extinctionOf(choice.density);
+      if (!byUnit && (!stated || !stated(name)))
         text += fmt::format(", {} {:.3g}", name, value);
     }
   }

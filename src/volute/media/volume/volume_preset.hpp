@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "volute/media/volume/appearance.hpp"
@@ -27,12 +28,17 @@ enum class VolumePreset {
 /// @param frame  keeps what is read of a single frame
 /// @param stated  whether a member of the look is said, so that the preset does not decide it; may
 ///                be empty: none is
+/// @param depths  as OpenOptions has it: an extinction that the unit says instead is not told
 /// @return the preset, of kAuto the one it found. kInvalidArgument, with the names of its grids,
 /// where the volume lacks what the preset needs.
 [[nodiscard]] Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path,
                                                InputOptions& input, Appearance& appearance,
                                                Reading& reading,
                                                const std::shared_ptr<LoneFrame>& frame,
-                                               const std::function<bool(const char*)>& stated = {});
+                                               const std::function<bool(const char*)>& stated = {},
+                                               bool depths = false);
+
+/// The extinction of a value of 1 by the unit of the values; nothing: it is no extinction's.
+std::optional<double> extinctionByUnit(const VolumeInfo& info);
 
 }  // namespace volute
