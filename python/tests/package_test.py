@@ -905,6 +905,12 @@ time.sleep(float(sys.argv[2]))
             volute.Scene(self.decoded, extinction=...)
         self.assertIn(b"PNG", scene._repr_png_()[:8])
 
+    def test_comparisons_tell_of_another_basis(self):
+        for basis in ("box", "cubic"):
+            volute.compress(self.decoded, self.path / f"{basis}.volute", max_error=1e-3, basis=basis)
+        said = subprocess.run([COMMAND, "compare", self.path / "box.volute", self.path / "cubic.volute"], check=True, capture_output=True, text=True).stderr
+        self.assertIn("one is over the box basis and the other over the cubic one", said)
+
     def test_values_hide_by_what_they_say(self):
         """No line of sight goes through smoke as through clear air because nobody said what it is."""
         ones = np.ones((1, 8, 8, 8), np.float32)

@@ -107,6 +107,22 @@ class Frames(support.TestCase):
         self.assertIn("d_0005.exr: depth by channel 'Z': nothing but sky", message)
         self.assertNotIn("d_0002.exr", message)
 
+    def test_comparisons_see_alpha_and_other_channels(self):
+        half, more = [0.5] * (WIDTH * HEIGHT), [0.9] * (WIDTH * HEIGHT)
+        further = [depth + 1 for depth in self.depths]
+        for name, planes in (("a", {"A": half}), ("b", {"A": more}), ("z", {"Z": self.depths}), ("y", {"Z": further}), ("l", {"Z": further, "L.V": half})):
+            write_planes(self.path(f"{name}.exr"), WIDTH, HEIGHT, self.color | planes)
+        said = lambda a, b, *options: self.works("compare", self.path(f"{a}.exr"), self.path(f"{b}.exr"), "--json", *options)
+        for name in "abzyl":
+            said(name, name, "--strict")
+        self.assertIn("alpha differs by up to 0.4", said("a", "b").message)
+        done = said("z", "y")
+        self.assertEqual((done.json["rms"], done.json["channels_max_error"]), (0, {"Z": 1}))
+        self.assertIn("channels differ: Z (by up to 1)", done.message)
+        self.assertIn("l.exr alone has L.V", said("y", "l").message)
+        for pair in ("ab", "zy", "yl"):
+            self.fails(1, "compare", *(self.path(f"{name}.exr") for name in pair), "--strict")
+
     def test_a_fog_that_changes_nothing_is_told(self):
         self.depth({"Z": self.depths})
         self.assertIn("the fog changes no pixel", self.works(*self.words("--profile", "slab:1000,1010")).message)

@@ -638,6 +638,31 @@ class Volumes(support.TestCase):
         same = self.works("compare", self.path("a.npy"), self.path("a.npy"), "--json").json
         self.assertEqual((same["rms"], same["psnr"]), (0, None))
 
+    def test_compare_never_calls_equal_what_is_not(self):
+        zero, one = self.path("z.npy"), self.path("a.npy")
+        write_npy(zero, (1, 1, 1, 4), [0, 0, 0, 0])
+        write_npy(one, (1, 1, 1, 4), [0, 1, 2, 4])
+        write_npy(self.path("n.npy"), (1, 1, 1, 4), [0, 1, float("nan"), 4])
+        for a, b, text in ((zero, one, "the first is 0 everywhere"), (one, self.path("n.npy"), "some values are no numbers, or infinite"),
+                           (self.path("n.npy"), one, "some values are no numbers, or infinite")):
+            done = self.works("compare", a, b, "--json")
+            self.assertEqual(done.json["psnr"], -1000)
+            self.assertIn(text, done.message)
+            self.fails(1, "compare", a, b, "--strict")
+        for same in (zero, one):
+            done = self.works("compare", same, same, "--json", "--strict")
+            self.assertIsNone(done.json["psnr"])
+
+    def test_compare_tells_of_other_names(self):
+        for name in ("soot", "heat"):
+            self.path("a.nc").write_bytes(netcdf(names={"s": name}))
+            self.works("compress", self.path("a.nc"), "-o", self.path(f"{name}.volute"), "--max-error", "1e-4")
+        said = lambda a, b: self.works("compare", self.path(a), self.path(b)).message
+        self.assertIn("'soot' of one is compared with 'heat' of the other", said("soot.volute", "heat.volute"))
+        self.fails(1, "compare", self.path("soot.volute"), self.path("heat.volute"), "--strict")
+        self.works("extract", self.path("heat.volute"), "-o", self.path("heat.npy"))
+        self.assertNotIn("is compared with", said("heat.npy", "heat.volute"))
+
     def test_compare_tells_what_it_does_not_measure(self):
         source = self.make_npy(frames=4)
         for name, more in (("y", ("--up", "y")), ("x", ("--up", "x")), ("late", ("--frames", "1:4")), ("odd", ("--frames", "0:4:3")), ("even", ("--frames", "0:3:2"))):

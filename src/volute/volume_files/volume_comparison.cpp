@@ -153,6 +153,38 @@ void remarkOnMeaning(const VolumeInfo& a, const VolumeInfo& b, Reading& reading)
   }
 }
 
+/// Values of another name may be of another thing, and the same ones over another basis are another
+/// field. What an array is called is no statement, nor is what Volute calls what has no name.
+void remarkOnKinds(const VolumeInfo& a, const std::string& pathA, const VolumeInfo& b,
+                   const std::string& pathB, Reading& reading) {
+  const auto named = [](const VolumeInfo& info) { return info.name != VolumeInfo().name; };
+  if (a.name != b.name && !isNumpyPath(pathA) && !isNumpyPath(pathB)) {
+    reading.progress.remark(
+        {named(a) && named(b) ? RemarkCode::kDoubtful : RemarkCode::kNote,
+         fmt::format("'{}' of one is compared with '{}' of the other", a.name, b.name)});
+  }
+  if (a.basis != b.basis && isVolutePath(pathA) && isVolutePath(pathB)) {
+    reading.progress.remark(
+        {RemarkCode::kDoubtful,
+         fmt::format("'{}': one is over the {} basis and the other over the {} one: values are "
+                     "compared as they are stored",
+                     a.name, basisName(a.basis), basisName(b.basis))});
+  }
+}
+
+/// What has no numbers has no error.
+void remarkOnErrors(const GridComparison& grid, Reading& reading) {
+  const Difference& whole = grid.whole;
+  std::string text;
+  if (!std::isfinite(whole.rms()))
+    text = "some values are no numbers, or infinite: no error of all is known";
+  else if (whole.rms() > 0 && !(whole.maxA > whole.minA))
+    text =
+        fmt::format("the first is {:g} everywhere: no error is relative to its range", whole.minA);
+  if (!text.empty())
+    reading.progress.remark({RemarkCode::kDoubtful, fmt::format("'{}': {}", grid.name, text)});
+}
+
 /// Frames are compared in their order, whatever their numbers.
 void remarkOnNumbers(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
   if (a.frames != b.frames || a.frames < 2)
@@ -191,6 +223,7 @@ Result<GridComparison> compareSources(std::unique_ptr<FrameSource> a,
   GridComparison grid{a->info().name};
   grid.overAll = request.overAll;
   VOLUTE_ASSIGN(grid.whole, compare(*a, *b, reading.progress, &grid.byFrame));
+  remarkOnErrors(grid, reading);
   if (grid.whole.backgroundsDiffer) {
     reading.progress.remark(
         {RemarkCode::kDoubtful,
@@ -265,6 +298,7 @@ Result<GridComparison> compareGrid(const VolumeGrids& first, std::size_t i, cons
   const auto places = [](const VolumeGrid& of) {
     return of.description ? of.description->places() : std::vector<GridMatrix>();
   };
+  remarkOnKinds(sourceA->info(), a, sourceB->info(), b, reading);
   const auto placesA = places(grid), placesB = places(other);
   VOLUTE_ASSIGN(const bool oneSpace, checkPlaces({sourceA->info(), placesA, a},
                                                  {sourceB->info(), placesB, b}, request.frames));
@@ -442,6 +476,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   VOLUTE_ASSIGN(auto second, openVolume(b, optionsFor(b), reading));
   const VolumeInfo& infoA = first.source->info();
   const VolumeInfo& infoB = second.source->info();
+  remarkOnKinds(infoA, a, infoB, b, reading);
   bool placed = !isNumpyPath(a) && !isNumpyPath(b);
   if (placed) {
     VOLUTE_ASSIGN(placed,
@@ -470,6 +505,13 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
   if (!errors.empty())
     comparison.errors = std::move(errors[0]);
   return comparison;
+}
+
+nlohmann::ordered_json psnrJson(double psnr) {
+  constexpr double kNone = -1000;
+  if (std::isinf(psnr) && psnr > 0)
+    return nullptr;
+  return std::isfinite(psnr) ? psnr : kNone;
 }
 
 void addDetails(Report& report, const VolumeComparison& comparison) {
@@ -501,7 +543,7 @@ void addDetails(Report& report, const VolumeComparison& comparison) {
                     {"relative_rms", jsonNumber(grid.relativeRms())},
                     {"support_rms", jsonNumber(grid.whole.supportRms())},
                     {"support_share", grid.whole.supportShare()},
-                    {"psnr", jsonNumber(grid.psnr())},
+                    {"psnr", psnrJson(grid.psnr())},
                     {"max_error", grid.whole.maxError},
                     {"max_error_at", worstPlaceJson(grid)},
                     {"by_frame", framesJson(grid)}});

@@ -71,6 +71,9 @@ struct VolumeComparison {
                                                       const ComparisonRequest& request,
                                                       Reading& reading);
 
+/// A PSNR [dB] in JSON: null where all is equal, -1000 where no error can be stated.
+nlohmann::ordered_json psnrJson(double psnr);
+
 /// The rows that a comparison has beyond those of pictures: the support, places, frames, and grids.
 void addDetails(Report& report, const VolumeComparison& comparison);
 

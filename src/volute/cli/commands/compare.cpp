@@ -39,7 +39,7 @@ Report compareReport(const ImageDifference& whole, const std::string& a, const s
   report.add("rms", jsonNumber(whole.rms), of(fmt::format("{:.6g}", whole.rms)))
       .add("relative_rms", jsonNumber(whole.relativeRms),
            of(fmt::format("{:.6g}", whole.relativeRms)))
-      .add("psnr", jsonNumber(whole.psnr), of(fmt::format("{:.2f} dB", whole.psnr)))
+      .add("psnr", psnrJson(whole.psnr), of(fmt::format("{:.2f} dB", whole.psnr)))
       .add("max_error", jsonNumber(whole.maxError), of(fmt::format("{:.6g}", whole.maxError)))
       .add("bytes", {bytesJson(a), bytesJson(b)}, bytesLine(a, b));
   return report;
@@ -86,6 +86,8 @@ void remarkOnNumbers(const std::string& file, const Image& image, Progress& prog
                                             count, image.pixels.size())});
 }
 
+constexpr const char* kOfColors = "rms, PSNR and max error are of the colours";
+
 /// Adds the largest difference in alpha, where both have it.
 Status compareAlpha(const std::string& a, const std::string& b, const ImageReadOptions& options,
                     Report& report, Progress& progress) {
@@ -100,6 +102,84 @@ Status compareAlpha(const std::string& a, const std::string& b, const ImageReadO
     return {};
   VOLUTE_ASSIGN(const auto difference, compareImages(*alphaA, *alphaB));
   report.add("alpha_max_error", difference.maxError);
+  if (difference.maxError != 0)
+    progress.remark({RemarkCode::kDoubtful, fmt::format("alpha differs by up to {:.6g}; {}",
+                                                        difference.maxError, kOfColors)});
+  return {};
+}
+
+/// Channels of a .exr besides those of one picture: layers, depths, optical depths.
+std::vector<FrameChannel> besides(const FrameInfo& info) {
+  constexpr std::string_view kPicture[] = {"R", "G", "B", "A", "Y"};
+  std::vector<FrameChannel> others;
+  for (const FrameChannel& channel : info.channels) {
+    if (info.channels.size() > 1 && std::ranges::find(kPicture, channel.name) == std::end(kPicture))
+      others.push_back(channel);
+  }
+  return others;
+}
+
+/// The largest difference of two pictures of one size; what is the same, infinite or no number, is
+/// none.
+double farthestApart(const Image& a, const Image& b) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const double one = a.pixels[i], other = b.pixels[i];
+    const bool same = one == other || (std::isnan(one) && std::isnan(other));
+    const double apart = same ? 0 : std::abs(one - other);
+    if (std::isnan(apart))
+      return apart;
+    farthest = std::max(farthest, apart);
+  }
+  return farthest;
+}
+
+/// Adds the largest difference of each other channel that both have.
+Status compareOthers(const std::string& a, const std::string& b, std::uint64_t maxMemory,
+                     Report& report, Progress& progress) {
+  if (extensionOf(a) != ".exr" || extensionOf(b) != ".exr")
+    return {};
+  VOLUTE_ASSIGN(const auto infoA, readFrameInfo(a));
+  VOLUTE_ASSIGN(const auto infoB, readFrameInfo(b));
+  const auto ofA = besides(infoA), ofB = besides(infoB);
+  const auto aloneIn = [&](const auto& own, const auto& other, const std::string& file) {
+    std::vector<std::string> names;
+    for (const FrameChannel& one : own) {
+      if (std::ranges::find(other, one.name, &FrameChannel::name) == other.end())
+        names.push_back(one.name);
+    }
+    if (!names.empty())
+      progress.remark(
+          {RemarkCode::kLeftOut, fmt::format("{} alone has {}", file, fmt::join(names, ", "))});
+  };
+  aloneIn(ofA, ofB, a);
+  aloneIn(ofB, ofA, b);
+  auto all = nlohmann::ordered_json::object();
+  std::string text;
+  std::vector<std::string> differing;
+  for (const FrameChannel& one : ofA) {
+    const auto other = std::ranges::find(ofB, one.name, &FrameChannel::name);
+    if (other == ofB.end())
+      continue;
+    VOLUTE_ASSIGN(const auto first, readFrameChannels(a, {&one, 1}, maxMemory));
+    VOLUTE_ASSIGN(const auto second, readFrameChannels(b, {&*other, 1}, maxMemory));
+    if (first.width != second.width || first.height != second.height) {
+      return fail(ErrorCode::kInvalidData,
+                  "channel '{}' has {} x {} pixels in {} and {} x {} in {}", one.name, first.width,
+                  first.height, a, second.width, second.height, b);
+    }
+    const double apart = farthestApart(first, second);
+    all[one.name] = jsonNumber(apart);
+    text += fmt::format("{}{} {:.6g}", text.empty() ? "" : ", ", one.name, apart);
+    if (apart != 0)
+      differing.push_back(fmt::format("{} (by up to {:.4g})", one.name, apart));
+  }
+  if (!all.empty())
+    report.add("channels_max_error", std::move(all), text);
+  if (!differing.empty()) {
+    progress.remark({RemarkCode::kDoubtful, fmt::format("channels differ: {}; {}",
+                                                        fmt::join(differing, ", "), kOfColors)});
+  }
   return {};
 }
 
@@ -116,6 +196,7 @@ Result<Report> comparePictures(const std::string& a, const std::string& b,
   remarkOnNumbers(b, imageB, context.progress);
   VOLUTE_TRY(remarkOnWindows(a, b, context.progress));
   VOLUTE_TRY(compareAlpha(a, b, options, report, context.progress));
+  VOLUTE_TRY(compareOthers(a, b, options.maxMemory, report, context.progress));
   return report;
 }
 
@@ -174,9 +255,11 @@ Command compareCommand() {
                    "volute compare before.png after.png --json"},
       .description =
           "Volumes are compared frame by frame, in order; caches grid by grid, by name, over the "
-          "union of their extents; pictures in linear values. The relative RMS is the RMS over all "
+          "union of their extents; pictures in linear values, other channels of a .exr by their "
+          "maximum error. The relative RMS is the RMS over all "
           "divided by the maximum minus the minimum of A; PSNR is -20 log10 of it (infinite, null "
-          "in JSON, if they are equal). The support RMS is that over the voxels that A has active "
+          "in JSON, if they are equal; -1000 there where A is one value and B is not, or numbers "
+          "are missing). The support RMS is that over the voxels that A has active "
           "or not equal to its background, divided by the range of those without the few far "
           "from all others (as compress takes it); the outside error is the largest "
           "elsewhere. Both must have the same size.",
