@@ -107,6 +107,44 @@ class Frames(support.TestCase):
         self.assertIn("d_0005.exr: depth by channel 'Z': nothing but sky", message)
         self.assertNotIn("d_0002.exr", message)
 
+    def test_a_depth_in_another_unit_is_told_where_it_begins(self):
+        for number, factor in ((1, 1), (2, 100), (3, 1), (4, 2), (5, 100)):
+            write_planes(self.path(f"d_{number:04d}.exr"), WIDTH, HEIGHT, {"Z": [factor * depth for depth in self.depths]})
+            write_planes(self.path(f"c_{number:04d}.exr"), WIDTH, HEIGHT, self.color)
+        words = self.words("--depth-kind", "z", color="c_%04d.exr", depth="d_%04d.exr", out="x_%04d.exr")
+        message = self.works(*words).message
+        self.assertIn("d_0002.exr: depth by channel 'Z': 500 to 6100 m along the view axis, 1.04 % sky; before it was 5 to 61 m", message)
+        self.assertEqual(message.count("depth by channel"), 2)
+        self.fails(1, *words, "--strict")
+        self.works(*words, "--strict", "--frames", "3:5")
+
+    def test_a_frame_without_colour_is_told(self):
+        for number in (1, 2, 3):
+            write_planes(self.path(f"d_{number:04d}.exr"), WIDTH, HEIGHT, {"Z": self.depths})
+            if number != 2:
+                write_planes(self.path(f"c_{number:04d}.exr"), WIDTH, HEIGHT, self.color)
+        words = lambda *more: self.words(*more, color="c_%04d.exr", depth="d_%04d.exr", out="x_%04d.exr")
+        text = "1 of the frames with a depth is missing, the first 2"
+        self.assertIn(text, self.works(*words()).message)
+        self.assertIn(text, self.works(*words("--frames", "1:4")).message)
+        self.path("d_0002.exr").unlink()
+        self.assertNotIn("missing", self.works(*words()).message)
+
+    def test_each_eye_of_blender_has_its_depth(self):
+        """Multilayer pictures of several views: the view's name stands before the channel's."""
+        self.plain()
+        zero = [0.5] * (WIDTH * HEIGHT)
+        planes = {"ViewLayer.Mist.left.Z": zero, "ViewLayer.Mist.right.Z": zero}
+        for view, color, depth in (("left", self.color, self.depths), ("right", dict.fromkeys("RGB", zero), zero)):
+            planes |= {f"ViewLayer.Combined.{view}.{c}": color[c] for c in "RGB"}
+            planes |= {f"ViewLayer.Depth.{view}.Z": depth} | {f"ViewLayer.Normal.{view}.{axis}": zero for axis in "XYZ"}
+        self.depth(planes)
+        message = self.assertAsPlain("--color-layer", "ViewLayer.Combined.left", color="depth.exr")
+        self.assertIn("depth by channel 'ViewLayer.Depth.left.Z': 5 to 61 m along the view axis", message)
+        self.assertNotIn("z is assumed", message)
+        self.assertIn("'ViewLayer.Depth.right.Z'", self.works(*self.words("--color-layer", "ViewLayer.Combined.right", color="depth.exr")).message)
+        self.assertIn("ViewLayer.Depth.left.Z, ViewLayer.Depth.right.Z; expected one", self.fails(1, *self.words()))
+
     def test_comparisons_see_alpha_and_other_channels(self):
         half, more = [0.5] * (WIDTH * HEIGHT), [0.9] * (WIDTH * HEIGHT)
         further = [depth + 1 for depth in self.depths]

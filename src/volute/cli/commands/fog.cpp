@@ -69,12 +69,27 @@ Lost lostIn(const std::string& target, const FramePixels& frame) {
   return lost;
 }
 
-/// What was not said of a frame before it.
-void tell(const FoggedFrame& frame, std::set<std::string>& told, Progress& progress) {
+/// What was not said of a frame before it. How far what it shows is, is said again where it is far
+/// from all that was said.
+/// @param reaches  of frames before it
+void tell(const FoggedFrame& frame, std::set<std::string>& told, std::vector<FrameReach>& reaches,
+          Progress& progress) {
   for (const FrameRemark& remark : frame.remarks) {
     if (told.insert(remark.subject).second)
       progress.remark({remark.code, remark.text, remark.hints});
   }
+  if (!(frame.reach.nearest <= frame.reach.farthest))
+    return;
+  const bool far = std::ranges::all_of(
+      reaches, [&](const FrameReach& before) { return isFarFrom(frame.reach, before); });
+  if (!far)
+    return;
+  if (!reaches.empty()) {
+    progress.remark({RemarkCode::kDoubtful,
+                     fmt::format("{}; before it was {:.4g} to {:.4g} m", frame.remarks.front().text,
+                                 reaches.front().nearest, reaches.front().farthest)});
+  }
+  reaches.push_back(frame.reach);
 }
 
 /// @param several  whether it is one of several frames
@@ -118,6 +133,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
   VOLUTE_TRY(takeFileStyle(arguments, target, development));
   std::unique_ptr<PictureWriter> writer;
   std::set<std::string> told;
+  std::vector<FrameReach> reaches;
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (context.progress.cancelled())
       return fail(ErrorCode::kCancelled, "stopped before frame {}", frames[i].number);
@@ -131,7 +147,7 @@ Status fogPictures(const std::vector<FogFrame>& frames, FogSceneMedium& fog,
     } else if (!writer) {
       VOLUTE_ASSIGN(writer, imageFileWriter(target, development));
     }
-    tell(fogged, told, context.progress);
+    tell(fogged, told, reaches, context.progress);
     tellLost(fogged, frames[i], target, frames.size() > 1, told, context.progress);
     VOLUTE_TRY(writer->writeFrame(fogged.pixels, frames[i].number));
     context.progress.report("fog", static_cast<double>(i + 1), static_cast<double>(frames.size()));
@@ -215,15 +231,23 @@ Result<std::optional<FrameRange>> rangeOf(const Arguments& arguments, const std:
 }
 
 /// Of a film whose fog moves or not.
-/// @param color  the file of the frames, or their pattern
-void tellOfFilm(const std::vector<FogFrame>& frames, const std::string& color,
+/// @param names  of the frames' files, or their patterns
+void tellOfFilm(const std::vector<FogFrame>& frames, const FogFrame& names,
                 const FogDescription& fog, const Arguments& arguments, Progress& progress) {
+  const std::string& color = names.color;
   const bool wind = fog.wind != Vec3::Zero();
   std::vector<int> numbers;
   for (const FogFrame& frame : frames) numbers.push_back(frame.number);
-  if (const auto gaps = missingNumbers(numbers); !gaps.empty() && !arguments.given("frames")) {
+  const auto gaps = missingNumbers(numbers);
+  const auto missing = framesWithoutColor(names, frames);
+  if (!gaps.empty() && !arguments.given("frames")) {
     progress.remark({RemarkCode::kAssumed,
                      fmt::format("{}: {}; a film goes on as if there were none", color, gaps)});
+  } else if (!missing.empty()) {
+    progress.remark(
+        {RemarkCode::kAssumed,
+         fmt::format("{}: {} of the frames with a depth {} missing, the first {}", color,
+                     missing.size(), missing.size() == 1 ? "is" : "are", missing.front())});
   }
   const bool moves = namesSeriesOfFiles(color) || wind || fog.maps.size() > 1 ||
                      namesSeriesOfFiles(fog.maps.front()) || !isPicturePath(fog.maps.front());
@@ -351,7 +375,7 @@ Status runFog(const Arguments& arguments, Context& context) {
                   "{} pictures do not fit into '{}'; put %04d for the frame's number into its name",
                   frames.size(), target);
     }
-    tellOfFilm(frames, names.color, description, arguments, context.progress);
+    tellOfFilm(frames, names, description, arguments, context.progress);
     double milliseconds = 0;
     {
       const Stopwatch watch(milliseconds);

@@ -248,7 +248,7 @@ class Distances {
     return {RemarkCode::kNote, nothing ? "sky" : depth_.what + how, std::move(text)};
   }
 
-  double farthest() const { return farthest_; }
+  FrameReach reach() const { return {nearest_, farthest_}; }
 
   bool stated() const { return stated_; }
 
@@ -422,6 +422,34 @@ struct Fogging {
 
 }  // namespace
 
+bool isFarFrom(const FrameReach& one, const FrameReach& other) {
+  constexpr double kFar = 10;
+  const auto beyond = [](const FrameReach& far, const FrameReach& near) {
+    return far.nearest >= kFar * near.nearest && far.farthest >= kFar * near.farthest;
+  };
+  const bool both = one.nearest <= one.farthest && other.nearest <= other.farthest;
+  return both && (beyond(one, other) || beyond(other, one));
+}
+
+std::vector<int> framesWithoutColor(const FogFrame& names, const std::vector<FogFrame>& frames) {
+  if (!namesSeriesOfFiles(names.color) || !namesSeriesOfFiles(names.depth) || frames.empty())
+    return {};
+  const auto filesOf = [](const std::string& name) {
+    const auto pattern = FramePattern::parse(name);
+    auto files = pattern ? pattern->list() : Result<std::vector<NumberedFile>>();
+    return files ? std::move(*files) : std::vector<NumberedFile>();
+  };
+  const auto colors = filesOf(names.color);
+  std::vector<int> missing;
+  for (const NumberedFile& depth : filesOf(names.depth)) {
+    const int number = depth.number;
+    if (number > frames.front().number && number < frames.back().number &&
+        std::ranges::find(colors, number, &NumberedFile::number) == colors.end())
+      missing.push_back(number);
+  }
+  return missing;
+}
+
 Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
                                         const std::optional<FrameRange>& chosen) {
   if (!namesSeriesOfFiles(names.color)) {
@@ -510,14 +538,15 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
          {Hint::choose("depth_kind")}});
   }
   const double extent = fog.fogAt(0).bounds().size().head<2>().maxCoeff();
-  if (distances.farthest() > 0 &&
-      (distances.farthest() <= 1 || distances.farthest() < 1e-3 * extent)) {
+  out.reach = distances.reach();
+  if (const double farthest = out.reach.farthest;
+      farthest > 0 && (farthest <= 1 || farthest < 1e-3 * extent)) {
     out.remarks.push_back({RemarkCode::kAssumed,
                            "near",
                            fmt::format("{}: all that is seen is within {:.3g} m of the eye; depths "
                                        "may be normalised, in another "
                                        "unit, or 1 / z",
-                                       frame.depth, distances.farthest()),
+                                       frame.depth, farthest),
                            {Hint::set("depth_scale").so("says how many metres a unit is"),
                             Hint::set("depth_kind", "inverse").so("takes them for 1 / z")}});
   }

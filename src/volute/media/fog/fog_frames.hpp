@@ -49,12 +49,26 @@ struct FrameRemark {
   Hints hints{};
 };
 
+/// How far away what a frame shows is, without the sky; empty where there is nothing else.
+struct FrameReach {
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0;  ///< [m]
+};
+
+/// Whether frames that follow each other would hardly show both: all of one is ten times as far
+/// away, as where a depth is in another unit.
+[[nodiscard]] bool isFarFrom(const FrameReach& one, const FrameReach& other);
+
 /// A frame with fog over it.
 struct FoggedFrame {
   FramePixels pixels;
+  FrameReach reach{};
   std::vector<std::string> others{};   ///< channels of the frame's file that are not among them
   std::vector<FrameRemark> remarks{};  ///< how far what it shows is; what was assumed, or is lost
 };
+
+/// Frames between those that are chosen of which there is a depth, and no colour.
+[[nodiscard]] std::vector<int> framesWithoutColor(const FogFrame& names,
+                                                  const std::vector<FogFrame>& frames);
 
 /// All frames that there are of the colour's pattern, or those chosen by their numbers; a name that
 /// is no pattern is one frame. kInvalidArgument ("frames: ...") where none is left.

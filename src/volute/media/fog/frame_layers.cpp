@@ -101,6 +101,12 @@ const DepthName* depthOf(const std::string& name) {
   return known == std::end(kDepths) ? nullptr : &*known;
 }
 
+/// "ViewLayer.Depth.Z" of "ViewLayer.Depth.left.Z", as Blender calls a depth of several views.
+std::string withoutView(const std::string& name) {
+  const std::string layer = before(name), pass = before(layer);
+  return !pass.empty() && depthOf(after(pass)) ? pass + "." + after(name) : name;
+}
+
 /// The one channel of a layer of that name, or a channel of that name.
 const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChannel& channel) {
   constexpr std::string_view kOnly[] = {"z", "v", "y", "r", "x", "depth"};
@@ -108,8 +114,10 @@ const DepthName* depthOf(std::span<const FrameChannel> channels, const FrameChan
   if (isVector(channels, layer))
     return nullptr;
   if (!layer.empty() && std::ranges::find(kOnly, own) != std::end(kOnly)) {
-    if (const DepthName* depth = depthOf(after(layer)))
-      return depth;
+    for (const std::string& name : {layer, before(withoutView(channel.name))}) {
+      if (const DepthName* depth = depthOf(after(name)))
+        return depth;
+    }
   }
   // "ViewLayer.Mist.Z" is none: a channel is one by its own name where no other name says more. In
   // a layer that is a whole picture, such as "left", it is.
@@ -127,7 +135,7 @@ DepthChannel makeDepth(const FrameInfo& info, const FrameChannel& channel, const
   DepthChannel depth{channel};
   if (name)
     depth.kind = name->kind;
-  const std::string own = lowerCase(channel.name);
+  const std::string own = lowerCase(withoutView(channel.name));
   if (depth.kind == DepthKind::kUnknown &&
       (info.software.find("Blender") != std::string::npos || info.software.starts_with("Volute") ||
        own.ends_with(".depth.z") || own == "depth.v" || own.ends_with(".depth.v")))
@@ -215,8 +223,15 @@ Result<DepthChannel> depthChannel(const FrameInfo& info, const std::string& want
     const auto ofFile = [](const DepthChannel& depth) {
       return lowerCase(depth.channel.name) == "z";
     };
+    // "ViewLayer.Depth.left.Z" of "ViewLayer.Combined.left".
+    const auto ofEye = [&](const DepthChannel& depth) {
+      return ofView(depth) && withoutView(depth.channel.name) != depth.channel.name &&
+             lowerCase(after(before(depth.channel.name))) == lowerCase(after(layer));
+    };
     if (std::ranges::count_if(found, ofView) == 1)
       std::erase_if(found, std::not_fn(ofView));
+    else if (std::ranges::count_if(found, ofEye) == 1)
+      std::erase_if(found, std::not_fn(ofEye));
     else if (layer.find('.') == std::string::npos && std::ranges::count_if(found, ofFile) == 1)
       std::erase_if(found, std::not_fn(ofFile));
   }
