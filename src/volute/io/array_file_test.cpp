@@ -245,6 +245,48 @@ TEST(ArrayFileOfZarr, ChunksAreThereAndWholeOrAreTheFillValue) {
   EXPECT_EQ(readWith(fill, "\"fill_value\":0").value(), 0);
   EXPECT_TRUE(std::isnan(readWith(fill, fill).value()));
 }
+
+#if VOLUTE_HAS_HDF5
+/// What is said of a file of HDF5 of this kind while it is read, and values of its frame 1.
+std::string saidOfHdf5(const char* kind) {
+  const TempFolder folder;
+  makeArrays("HDF5", folder / "a.h5", kind);
+  std::string told;
+  SourceOptions options;
+  options.grid = "soot";
+  options.bounds = Box3{Vec3(0, 0, 0), Vec3(1, 1, 1)};
+  options.remark = [&](const Remark& remark) { told += remark.sentence + " | "; };
+  const auto opened = openSource(folder / "a.h5", options);
+  if (!opened)
+    return opened.error().message;
+  std::vector<float> frame(8);
+  const auto read = (*opened)->readFrame(1, frame);
+  return told + (read ? fmt::format("{}", frame[0]) : read.error().message);
+}
+
+TEST(ArrayFileOfHdf5, NumbersInOtherFilesAreNotTheFillValue) {
+  EXPECT_THAT(saidOfHdf5("virtual"),
+              HasSubstr("'soot' is a virtual dataset over other.h5, and no other file is read"));
+  EXPECT_THAT(saidOfHdf5("external"), HasSubstr("'soot' has its numbers in other.bin"));
+  EXPECT_THAT(saidOfHdf5("link"), HasSubstr("is of type a link to other.h5:/soot"));
+  EXPECT_EQ(saidOfHdf5("self"), "1");
+}
+
+TEST(ArrayFileOfHdf5, WhatWasNeverWrittenIsTold) {
+  EXPECT_THAT(saidOfHdf5("hole"),
+              HasSubstr("'soot': 1 of 3 chunks were never written; their values are the fill "
+                        "value 7 | 7"));
+  EXPECT_THAT(saidOfHdf5("never"),
+              HasSubstr("'soot': was never written; its values are the fill value 7 | 7"));
+  EXPECT_THAT(saidOfHdf5("open"),
+              HasSubstr("1 of 3 chunks of 'soot' were never written, and it has no fill value"));
+}
+
+TEST(ArrayFileOfHdf5, AFilterThatIsNotHereIsNamed) {
+  EXPECT_THAT(saidOfHdf5("filter"),
+              HasSubstr("'soot' is packed by the HDF5 filter 511, which is not here"));
+}
+#endif
 #endif
 
 }  // namespace

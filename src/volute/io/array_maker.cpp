@@ -4,7 +4,14 @@
 // array `soot` of 3 x 4 x 5 x 6 numbers along time, z, y and x, 1000 t + 100 z + 10 y + x tenths,
 // as 16-bit integers with a scale, z from above; and `flat` with axes of no names. Coordinates are
 // in UNIT, time in minutes. A fourth argument leaves out a number.
+// volute_array_maker HDF5 FILE KIND: files of HDF5 that GDAL does not write, with `soot` of 3 x 2 x
+// 2 x 2 ones: KIND is virtual, external, link (all over other.h5), self (virtual over `source` in
+// itself), hole (frame 1 is not written), never (nothing is), open (as hole, without a fill value)
+// or filter (packed by one that nobody has).
 #include <gdal_priv.h>
+#if VOLUTE_HAS_HDF5
+#include <hdf5.h>
+#endif
 
 #include <cstdio>
 #include <numeric>
@@ -75,9 +82,57 @@ bool make(const char* driver, const char* file, const char* unit, bool hole) {
   return true;
 }
 
+#if VOLUTE_HAS_HDF5
+bool makeHdf5(const char* name, std::string_view kind) {
+  constexpr hsize_t kSize[] = {3, 2, 2, 2}, kFrame[] = {1, 2, 2, 2};
+  const std::vector<float> ones(24, 1.0F);
+  const hid_t file = H5Fcreate(name, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  if (kind == "link")
+    return H5Lcreate_external("other.h5", "/soot", file, "soot", H5P_DEFAULT, H5P_DEFAULT) >= 0 &&
+           H5Fclose(file) >= 0;
+  const hid_t space = H5Screate_simple(4, kSize, nullptr), how = H5Pcreate(H5P_DATASET_CREATE);
+  constexpr float kSeven = 7;
+  bool good = true;
+  if (kind == "virtual") {
+    good = H5Pset_virtual(how, space, "other.h5", "/soot", space) >= 0;
+  } else if (kind == "self") {
+    good = H5Pset_virtual(how, space, ".", "/source", space) >= 0;
+    const hid_t source =
+        H5Dcreate2(file, "source", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    good =
+        good && H5Dwrite(source, H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, ones.data()) >= 0;
+    H5Dclose(source);
+  } else if (kind == "external") {
+    good = H5Pset_external(how, "other.bin", 0, 96) >= 0;
+  } else if (kind == "hole" || kind == "open" || kind == "filter") {
+    good = H5Pset_chunk(how, 4, kFrame) >= 0;
+  }
+  if (kind == "open")
+    good = good && H5Pset_fill_time(how, H5D_FILL_TIME_NEVER) >= 0;
+  else
+    good = good && H5Pset_fill_value(how, H5T_NATIVE_FLOAT, &kSeven) >= 0;
+  if (kind == "filter")
+    good = good && H5Pset_filter(how, 511, H5Z_FLAG_OPTIONAL, 0, nullptr) >= 0;
+  const hid_t set =
+      H5Dcreate2(file, "soot", H5T_NATIVE_FLOAT, space, H5P_DEFAULT, how, H5P_DEFAULT);
+  const bool written = kind == "hole" || kind == "open" || kind == "filter";
+  for (hsize_t frame = 0; good && written && frame < 3; ++frame) {
+    const hsize_t start[] = {frame, 0, 0, 0};
+    if (frame != 1 || kind == "filter")
+      good = H5Dwrite_chunk(set, H5P_DEFAULT, 0, start, 32, ones.data()) >= 0;
+  }
+  return good && H5Dclose(set) >= 0 && H5Pclose(how) >= 0 && H5Sclose(space) >= 0 &&
+         H5Fclose(file) >= 0;
+}
+#endif
+
 }  // namespace
 
 int main(int argc, char** argv) {
+#if VOLUTE_HAS_HDF5
+  if (argc == 4 && std::string_view(argv[1]) == "HDF5")
+    return makeHdf5(argv[2], argv[3]) ? 0 : 1;
+#endif
   if (argc >= 4 && make(argv[1], argv[2], argv[3], argc > 4))
     return 0;
   std::fprintf(stderr, "%s: %s\n", argc > 2 ? argv[2] : "", CPLGetLastErrorMsg());

@@ -19,8 +19,10 @@
 
 #include "volute/base/lower_case.hpp"
 #include "volute/base/number_type.hpp"
+#include "volute/base/number_word.hpp"
 #include "volute/io/array_file.hpp"
 #include "volute/io/grid_choice.hpp"
+#include "volute/io/hdf5_facts.hpp"
 #include "volute/io/unit.hpp"
 
 namespace volute {
@@ -76,6 +78,21 @@ void listArrays(const GDALGroup& group, const std::string& path, int depth,
     if (inner)
       listArrays(*inner, path + name + "/", depth + 1, entries, arrays);
   }
+}
+
+/// GDAL leaves out what a link to another file stands for.
+void listLinks(const std::string& file, std::vector<GridEntry>& entries,
+               std::vector<ArrayPtr>& arrays) {
+#if VOLUTE_HAS_HDF5
+  for (const Hdf5Link& link : hdf5Links(file)) {
+    if (std::ranges::find(entries, link.name, &GridEntry::name) != entries.end())
+      continue;
+    entries.push_back({link.name, "a link to " + link.target, false});
+    arrays.push_back(nullptr);
+  }
+#else
+  (void)file, (void)entries, (void)arrays;
+#endif
 }
 
 /// Programs write "Units" and "SCALE_FACTOR", too; GDAL knows the names as netCDF has them.
@@ -175,6 +192,7 @@ class GdalReader final : public ArrayReader {
     std::vector<GridEntry> entries;
     std::vector<ArrayPtr> arrays;
     listArrays(*root, "", 0, entries, arrays);
+    listLinks(file_, entries, arrays);
     const std::string bare = wanted.starts_with('/') ? wanted.substr(1) : wanted;
     VOLUTE_ASSIGN(const std::size_t index,
                   chooseGrid(entries, bare, file_,
@@ -184,6 +202,7 @@ class GdalReader final : public ArrayReader {
     array_ = arrays[index];
     root_ = root;
     VOLUTE_TRY(findChunks());
+    VOLUTE_ASSIGN(const Hdf5Chunks pieces, piecesOfHdf5());
     ArrayFacts facts;
     entries[index].name.copy(facts.name, ArrayFacts::kMaxText);
     unitOf(*array_).copy(facts.unit, ArrayFacts::kMaxText);
@@ -191,6 +210,8 @@ class GdalReader final : public ArrayReader {
     VOLUTE_TRY(settleAxes(facts));
     const GDALDataType type = array_->GetDataType().GetNumericDataType();
     VOLUTE_TRY(settleNumbers(type));
+    VOLUTE_TRY(countChunks(pieces));
+    lacks_ = pieces.lacks;
     asFloats_ = type == GDT_Float32 && scale_ == 1 && offset_ == 0;
     facts.rounded =
         !asFloats_ && (GDALGetDataTypeSizeBytes(type) >= 4 || scale_ != 1 || offset_ != 0);
@@ -423,14 +444,35 @@ class GdalReader final : public ArrayReader {
                   file_, array_->GetName(), separator_);
     }
     chunks_ = folder;
-    if (!allChunks_)
-      countChunks(said.value("fill_value", nlohmann::json()).dump());
+    fill_ = said.value("fill_value", nlohmann::json()).dump();
     return {};
   }
 
+  Result<Hdf5Chunks> piecesOfHdf5() const {
+#if VOLUTE_HAS_HDF5
+    return hdf5Chunks(file_, array_->GetFullName());
+#else
+    return Hdf5Chunks();
+#endif
+  }
+
   /// Files without a chunk that holds nothing but the fill value are usual; so are copies that
-  /// broke off.
-  void countChunks(const std::string& fill) {
+  /// broke off, and runs that were stopped.
+  /// @param pieces  of a dataset of HDF5
+  Status countChunks(const Hdf5Chunks& pieces) {
+    if (pieces.absent > 0 && pieces.fill.empty()) {
+      return fail(ErrorCode::kInvalidData,
+                  "{}: {} of {} chunks of '{}' were never written, and it has no fill value, which "
+                  "leaves open what is there; expected all of them",
+                  file_, pieces.absent, pieces.expected, array_->GetName());
+    }
+    if (pieces.absent > 0 && pieces.expected == 1)
+      absent_ = "was never written; its " + valuesAre(pieces.fill);
+    else if (pieces.absent > 0)
+      absent_ = fmt::format("{} of {} chunks were never written; their {}", pieces.absent,
+                            pieces.expected, valuesAre(pieces.fill));
+    if (chunks_.empty() || allChunks_)
+      return {};
     const auto blocks = array_->GetBlockSize();
     std::uint64_t expected = 1, there = 0;
     for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -444,9 +486,18 @@ class GdalReader final : public ArrayReader {
       there += std::isdigit(static_cast<unsigned char>(name.front())) && at->is_regular_file(error);
     }
     if (there < expected) {
-      absent_ = fmt::format("{} of {} chunks are not there; their values are the fill value {}",
-                            expected - there, expected, fill);
+      absent_ = fmt::format("{} of {} chunks are not there; their {}", expected - there, expected,
+                            valuesAre(fill_));
     }
+    return {};
+  }
+
+  /// Of what is read where no chunk is.
+  std::string valuesAre(const std::string& fill) const {
+    double number = 0;
+    return !readNumber(fill, number) || std::isnan(number) || isMissing(number)
+               ? fmt::format("values are not known (the fill value is {})", fill)
+               : fmt::format("values are the fill value {}", fill);
   }
 
   Status checkChunks(const GUInt64* starts, const std::size_t* counts, const GInt64* steps) const {
@@ -632,6 +683,8 @@ class GdalReader final : public ArrayReader {
     CPLErrorReset();
     if (array_->Read(starts, counts, steps, strides, GDALExtendedDataType::Create(type), values))
       return {};
+    if (!lacks_.empty())
+      return fail(ErrorCode::kUnsupported, "{}: {}", file_, lacks_);
     return fail(ErrorCode::kInvalidData, "{}: frame {} cannot be read: {}", file_, frame,
                 gdalSaid("the file is damaged"));
   }
@@ -644,13 +697,15 @@ class GdalReader final : public ArrayReader {
   std::string separator_;          // in their names
   bool allChunks_ = false;         // must be there
   std::uintmax_t chunkBytes_ = 0;  // of each; 0: it is not known
+  std::string fill_;               // read in the place of those that are not there
   bool asFloats_ = false;
   double scale_ = 1, offset_ = 0;      // of the stored numbers
   std::vector<double> missing_;        // stored in the place of what is not there
   bool isFloat_ = false;               // what is stored
   double low_ = 0, high_ = 0;          // beyond them nothing is there
   std::string range_;                  // the same as text, by the attributes that say it
-  std::string absent_;                 // what a Zarr array lacks of its chunks
+  std::string lacks_;                  // what reading its chunks wants; empty: nothing
+  std::string absent_;                 // which of its chunks are not there
   double wrap_ = 0;                    // added to negative numbers, which mean unsigned ones
   std::vector<std::string> unitless_;  // coordinates
   int at_[kAxes] = {};                 // the dimension of each axis; -1: it has none
