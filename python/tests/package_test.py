@@ -659,6 +659,18 @@ time.sleep(float(sys.argv[2]))
         with self.assertRaisesRegex(ValueError, "does not end in .volute"):
             volute.compress(self.values, "a.npy")
 
+    def test_modules_for_other_packages_are_there_without_an_import(self):
+        code = """
+import volute
+for name in ("xarray", "numcodecs", "hdf5", "vtk"):
+    try:
+        print(getattr(volute, name).__name__)
+    except ImportError:
+        print("volute." + name)
+print(hasattr(volute, "nothing"))"""
+        said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+        self.assertEqual(said, ["volute.xarray", "volute.numcodecs", "volute.hdf5", "volute.vtk", "False"])
+
     def test_errors_are_the_librarys_sentences(self):
         with self.assertRaisesRegex(FileNotFoundError, "nothing.volute: cannot open") as raised:
             volute.open("nothing.volute")

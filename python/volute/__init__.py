@@ -37,6 +37,14 @@ __all__ = ["Bricks", "Cancelled", "Compressed", "Engine", "Error", "Frames", "Fu
            "picture", "pieces", "read_image", "reconstruct", "render", "resample", "set_threads", "to_bytes", "to_srgb", "visibility", "write_image"]
 
 
+def __getattr__(name):
+    """Modules for other packages, which are loaded when they are first used: volute.xarray, volute.numcodecs, volute.hdf5, volute.vtk."""
+    if name in ("hdf5", "numcodecs", "vtk", "xarray"):
+        import importlib
+        return importlib.import_module("." + name, __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
 def set_threads(count=0):
     """Limits the threads of all calls from now on, 0: as many as the machine has; returns how many there were."""
     from ._arrays import whole
