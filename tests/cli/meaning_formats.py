@@ -115,14 +115,17 @@ def volumes(folder):
     support.volute("extract", folder / "a.volute", "-o", folder / "d_%04d.vdb", "--quiet")
 
 
-def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=None, change=None, left_out=(), places=None, more=(), kind="f", extra=()):
+def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=None, change=None, left_out=(), places=None, more=(), kind="f", extra=(), five=False):
     """A classic netCDF file: `soot` of 3 x 4 x 5 x 6 numbers with coordinates; `order` of its dimensions, `units` and `names` of them and of the
-    array by letter (s: soot), `change` of its numbers, `places` and `attributes` of coordinates, `extra` attributes of soot."""
+    array by letter (s: soot), `change` of its numbers, `places` and `attributes` of coordinates, `extra` attributes of soot; `five`: as CDF-5,
+    with counts of 8 bytes."""
     units = {"t": "s", "z": "m", "y": "m", "x": "m", "s": "1/m"} | (units or {})
     names = {"t": "time", "z": "z", "y": "y", "x": "x", "s": "soot"} | (names or {})
     codes = {"c": 2, "h": 3, "i": 4, "f": 5, "d": 6}
     padded = lambda data: data + b"\0" * (-len(data) % 4)
-    text = lambda value: struct.pack(">i", len(value.encode())) + padded(value.encode())
+    count = lambda *numbers: b"".join(struct.pack(">q" if five else ">i", number) for number in numbers)
+    kind_of = lambda number: struct.pack(">i", number)
+    text = lambda value: count(len(value.encode())) + padded(value.encode())
     numbers = lambda code, values: padded(struct.pack(f">{len(values)}{code}", *values))
     size = dict(zip("tzyx", sizes))
     places = {"t": [2.0 * i for i in range(3)], **{axis: [0.25 + 0.5 * i for i in range(size[axis])] for axis in "zyx"}} | (places or {})
@@ -143,15 +146,15 @@ def netcdf(order="tzyx", sizes=(3, 4, 5, 6), units=None, names=None, attributes=
     arrays.append((names["s"], list(order), {"units": ("c", units["s"])} | dict(extra), kind, values))
 
     def head(begins):
-        out = b"CDF\1" + struct.pack(">iii", 0, 10, 4) + b"".join(text(names[axis]) + struct.pack(">i", size[axis]) for axis in "tzyx")
-        out += struct.pack(">iiii", 0, 0, 11, len(arrays))
+        out = (b"CDF\5" if five else b"CDF\1") + count(0) + kind_of(10) + count(4) + b"".join(text(names[axis]) + count(size[axis]) for axis in "tzyx")
+        out += kind_of(0) + count(0) + kind_of(11) + count(len(arrays))
         for (name, axes, said, code, held), begin in zip(arrays, begins):
             said = {key: one for key, one in said.items() if one[1] not in (None, "")}
-            out += text(name) + struct.pack(f">i{len(axes)}i", len(axes), *("tzyx".index(axis) for axis in axes))
-            out += struct.pack(">ii", 12 if said else 0, len(said))
+            out += text(name) + count(len(axes), *("tzyx".index(axis) for axis in axes))
+            out += kind_of(12 if said else 0) + count(len(said))
             for key, (its, one) in said.items():
-                out += text(key) + struct.pack(">i", codes[its]) + (text(one) if its == "c" else struct.pack(">i", len(one)) + numbers(its, one))
-            out += struct.pack(">iii", codes[code], len(numbers(code, held)), begin)
+                out += text(key) + kind_of(codes[its]) + (text(one) if its == "c" else count(len(one)) + numbers(its, one))
+            out += kind_of(codes[code]) + count(len(numbers(code, held)), begin)
         return out
     begins, at = [], len(head([0] * len(arrays)))
     for *_, code, held in arrays:

@@ -5,6 +5,7 @@ import json
 import math
 import pathlib
 import shutil
+import struct
 import subprocess
 
 import support
@@ -120,6 +121,38 @@ class Volumes(support.TestCase):
         self.assertNotIn("bounds", refused)
         _, message = written(bounds, places={"z": [0.25, 0.5, 1, 2]})
         self.assertIn("taken as even within the bounds that are given", message)
+
+    def test_arrays_have_times_that_descend_long_units_and_counts_of_64_bits(self):
+        def written(**how):
+            self.path("a.nc").write_bytes(netcdf(**how))
+            self.works("compress", self.path("a.nc"), "-o", self.path("a.volute"), "--max-error", 1e-4)
+            self.works("extract", self.path("a.volute"), "-o", self.path("a.npy"))
+            said = self.works("info", self.path("a.nc"), "--json").json
+            return [round(value, 2) for value in read_npy(self.path("a.npy").read_bytes())[1]], [round(time, 9) for time in said["times"]], [round(b, 6) for b in said["bounds"]]
+
+        plain = written()
+        turned = lambda values: values[240:] + values[120:240] + values[:120]
+        self.assertEqual(written(places={"t": [4, 2, 0]}, change=turned), plain)
+        since = {"t": "s since 2020-01-01"}
+        self.assertEqual(written(places={"t": [104, 102, 100]}, units=since, change=turned), plain)
+        scaled = lambda factor, axis, count, first, step: [factor * (first + step * i) for i in range(count)]
+        for time, factor in (("microseconds", 1e6), ("nanoseconds since 2020-01-01", 1e9), ("Milliseconds", 1e3), ("days", 1 / 86400)):
+            places = {"t": scaled(factor, "t", 3, 0, 2), "x": scaled(1000, "x", 6, 0.25, 0.5), "y": scaled(100, "y", 5, 0.25, 0.5)}
+            self.assertEqual(written(units={"t": time, "x": "millimeters", "y": "centimetres"}, places=places), plain, time)
+        self.assertEqual(written(five=True), plain)
+        self.path("a.nc").write_bytes(netcdf(places={"t": [4, 0, 2]}))
+        self.assertIn("expected times that ascend or descend", self.fails(1, "info", self.path("a.nc")))
+
+    def test_one_voxel_of_an_array_file_keeps_its_size(self):
+        source = self.make_npy(frames=1, size=4)
+        self.works("compress", source, "-o", self.path("a.volute"), "--bounds=1,2,3,1.4,2.8,4.2", "--max-error", 1e-3)
+        for name in ("a.nc", "a.h5"):
+            self.works("extract", self.path("a.volute"), "-o", self.path(name), "--region", "1:2,2:3,0:1")
+            done = self.works("info", self.path(name), "--json")
+            self.assertEqual([round(b, 9) for b in done.json["bounds"]], [1.1, 2.4, 3, 1.2, 2.6, 3.3])
+            self.assertEqual(done.message, "")
+        self.path("b.nc").write_bytes(netcdf(sizes=(3, 4, 5, 1)))
+        self.assertIn("single voxels of a size that is not stated are taken to be 0.5 m along x", self.works("info", self.path("b.nc")).message)
 
     def test_compare_tells_the_loss_by_frame_and_draws_it(self):
         shape, values = support.plume(3, 8)
@@ -356,6 +389,24 @@ class Volumes(support.TestCase):
         self.assertIn("'soot': 1 of 3 chunks are not there; their values are the fill value 0", done.message)
         said = self.works("info", self.path("a.volute"), "--json").json
         self.assertEqual((round(said["minimum"]), round(said["maximum"])), (-56, 7))
+
+    def test_a_fill_value_of_zarr_is_a_number_unless_xarray_says_that_it_is_none(self):
+        folder = self.path("a.zarr/soot")
+        folder.mkdir(parents=True)
+        (folder.parent / ".zgroup").write_text('{"zarr_format": 2}')
+
+        def info(fill, attributes=None):
+            (folder / ".zarray").write_text(json.dumps({"zarr_format": 2, "shape": [1, 2, 2, 2], "chunks": [1, 2, 2, 2], "dtype": "<f4",
+                                                        "fill_value": fill, "order": "C", "compressor": None, "filters": None}))
+            (folder / ".zattrs").write_text(json.dumps(attributes or {}))
+            (folder / "0.0.0.0").write_bytes(struct.pack("<8f", fill, fill, 1, 2, 3, 4, 5, 6))
+            return self.works("info", self.path("a.zarr"), "--values", "--json")
+
+        self.assertEqual(info(300).json["maximum"], 300)
+        self.assertNotIn("nothing is there", info(300).message)
+        for done in (info(300, {"_ARRAY_DIMENSIONS": ["t", "z", "y", "x"]}), info(300, {"_FillValue": 300}), info(-9999)):
+            self.assertEqual((done.json["minimum"], done.json["maximum"], done.json["not_finite"]), (1, 6, 2))
+            self.assertIn("nothing is there where 'soot' has its fill value, ", done.message)
 
     def test_arrays_that_images_have_besides_are_told(self):
         array = lambda name, count: f'<DataArray type="Float32" Name="{name}" NumberOfComponents="{count}" format="ascii">{"1 2 " * 4 * count}</DataArray>'

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <functional>
 #include <utility>
 
 #include "volute/base/assert.hpp"
@@ -57,10 +58,10 @@ Result<ReaderProcess::Serve> serveArrays(std::string_view parameters) {
       const auto some = rest.first(std::min(rest.size(), kTimesAtOnce));
       return std::string(reinterpret_cast<const char*>(some.data()), some.size_bytes());
     }
-    double rounding = 0;
-    VOLUTE_TRY(reader->read(request.frame, request.first, request.layers, values, request.offset,
-                            rounding));
-    return toMessage(rounding);
+    ArrayReadFacts met;
+    VOLUTE_TRY(
+        reader->read(request.frame, request.first, request.layers, values, request.offset, met));
+    return toMessage(met);
   };
 }
 
@@ -81,7 +82,7 @@ class ArrayFileSource final : public LayerwiseSource {
     VOLUTE_ASSIGN(const std::string reply, ask(ArrayRequest::What::kDescribe, 0));
     VOLUTE_ASSIGN(facts_, fromMessage<ArrayFacts>(reply));
     for (char* text : {facts_.name, facts_.unit, facts_.others, facts_.order, facts_.unitless,
-                       facts_.doubt, facts_.range, facts_.absent})
+                       facts_.thin, facts_.doubt, facts_.range, facts_.absent})
       text[ArrayFacts::kMaxText] = 0;
     for (bool* flag : {&facts_.timed, &facts_.placed, &facts_.rounded}) settleFlag(*flag);
     info_.name = facts_.name;
@@ -115,6 +116,7 @@ class ArrayFileSource final : public LayerwiseSource {
       VOLUTE_TRY(fetchTimes());
     info_.fillDefaults();
     VOLUTE_TRY(info_.validate(path_));
+    remark_ = options.remark;
     if (options.remark)
       tell(options);
     return {};
@@ -131,8 +133,15 @@ class ArrayFileSource final : public LayerwiseSource {
   Status readLayers(int index, int first, int end, std::span<float> values) override {
     request_.frame = index, request_.first = first, request_.layers = end - first;
     VOLUTE_ASSIGN(const std::string reply, ask(ArrayRequest::What::kRead, values.size()));
-    VOLUTE_ASSIGN(const double rounding, fromMessage<double>(reply));
-    rounding_ = std::max(rounding_, rounding);
+    VOLUTE_ASSIGN(auto met, fromMessage<ArrayReadFacts>(reply));
+    settleFlag(met.hasMarker);
+    rounding_ = std::max(rounding_, met.rounding);
+    if (met.hasMarker && facts_.absent[0] == 0 && remark_ && !std::exchange(toldMarker_, true)) {
+      remark_(Remark(RemarkCode::kNote,
+                     fmt::format("{}: nothing is there where '{}' has its fill value, {:g}", path_,
+                                 info_.name, met.marker))
+                  .in(path_));
+    }
     std::ranges::copy(process_.values(), values.begin());
     return {};
   }
@@ -197,6 +206,14 @@ class ArrayFileSource final : public LayerwiseSource {
                                                               path_, facts_.unitless))
                          .in(path_));
     }
+    if (facts_.thin[0] != 0) {
+      options.remark(Remark(RemarkCode::kAssumed,
+                            fmt::format("{}: single voxels of a size that is not stated are taken "
+                                        "to be {}",
+                                        path_, facts_.thin),
+                            {Hint::set("bounds")})
+                         .in(path_));
+    }
     if (facts_.range[0] != 0) {
       options.remark(Remark(RemarkCode::kNote, fmt::format("{}: nothing is there where '{}' has {}",
                                                            path_, info_.name, facts_.range))
@@ -223,6 +240,8 @@ class ArrayFileSource final : public LayerwiseSource {
   ArrayFacts facts_;
   VolumeInfo info_;
   double rounding_ = 0;
+  std::function<void(const Remark&)> remark_;
+  bool toldMarker_ = false;
 };
 
 class ArraySink final : public FrameSink {

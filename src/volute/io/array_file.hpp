@@ -28,6 +28,7 @@ struct ArrayFacts {
   char others[kMaxText + 1] = {};  ///< arrays that could have been meant, as people read them
   char order[kMaxText + 1] = {};   ///< which dimension was taken for which axis by its place alone
   char unitless[kMaxText + 1] = {};  ///< coordinates without units, and what they are taken in
+  char thin[kMaxText + 1] = {};      ///< sizes of single voxels that nothing states; empty: none
   char doubt[kMaxText + 1] = {};     ///< what coordinates say against even voxels; empty: nothing
   char range[kMaxText + 1] = {};     ///< which numbers mean that nothing is there; empty: none
   char absent[kMaxText + 1] = {};    ///< what the file lacks of the array; empty: nothing
@@ -36,6 +37,13 @@ struct ArrayFacts {
   bool placed = false;                              ///< there are bounds
   std::array<double, 6> bounds{};                   ///< [m] least x, y, z, most x, y, z
   bool rounded = false;  ///< a float may be another number than one of the file
+};
+
+/// What was met while numbers were read. Trivially copyable, too.
+struct ArrayReadFacts {
+  double rounding = 0;     ///< the largest difference between a number of the file and its float
+  bool hasMarker = false;  ///< there were numbers that mean that nothing is there: NaN stands there
+  double marker = 0;       ///< the last of them, as stored
 };
 
 /// What a library that knows such files does with one. Used inside a child process (ReaderProcess),
@@ -57,9 +65,8 @@ class ArrayReader {
 
   /// Fills `values`, shape (z, y, x, c), with some layers of a frame, as differences from `offset`.
   /// What was never written is NaN.
-  /// @param rounding  raised to the largest difference between a number of the file and its float
   [[nodiscard]] virtual Status read(int frame, int firstLayer, int layers, std::span<float> values,
-                                    double offset, double& rounding) = 0;
+                                    double offset, ArrayReadFacts& facts) = 0;
 };
 
 /// Writes a sequence as an array with the axes time, z, y, x and c, and coordinates for them, into

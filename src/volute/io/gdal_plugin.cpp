@@ -121,9 +121,13 @@ std::string unitOf(const GDALMDArray& array) {
 /// none. Depths, of which netCDF's CF conventions say that they are positive down, become heights.
 /// @param beside    an array of the dimension's name beside the one that is read; may be null
 /// @param unitless  gets its name and the unit where it states none
+/// @param faces     gets the two ends of a lone coordinate, as netCDF's CF conventions state them;
+///                  may be null
 Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const ArrayPtr& beside,
                                          const std::string& file, std::string_view unit,
-                                         bool& since, std::vector<std::string>& unitless) {
+                                         bool& since, std::vector<std::string>& unitless,
+                                         const GDALGroup* root = nullptr,
+                                         std::vector<double>* faces = nullptr) {
   constexpr std::uint64_t kMax = 100'000'000;
   ArrayPtr array = dimension.GetIndexingVariable();
   if (!array && beside && beside->GetDimensionCount() == 1 &&
@@ -141,15 +145,36 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
     return fail(ErrorCode::kInvalidData, "{}: the coordinate '{}' cannot be read: {}", file,
                 array->GetName(), gdalSaid("the file is damaged"));
   }
+  if (faces && count == 1) {
+    const auto attribute = array->GetAttribute("bounds");
+    const char* name = attribute ? attribute->ReadAsString() : nullptr;
+    const std::string path = array->GetFullName();
+    const ArrayPtr ends =
+        name ? root->OpenMDArrayFromFullname(path.substr(0, path.rfind('/') + 1) + name) : nullptr;
+    const ArrayPtr plain = ends && ends->GetDimensionCount() == 2 &&
+                                   ends->GetDimensions()[0]->GetSize() == 1 &&
+                                   ends->GetDimensions()[1]->GetSize() == 2
+                               ? ends->GetUnscaled()
+                               : nullptr;
+    constexpr GUInt64 kStarts[] = {0, 0};
+    constexpr std::size_t kCounts[] = {1, 2};
+    values.resize(3);
+    if (!plain || !plain->Read(kStarts, kCounts, nullptr, nullptr,
+                               GDALExtendedDataType::Create(GDT_Float64), values.data() + 1))
+      values.resize(1);
+  }
+  const auto split = [&]() -> std::vector<double> {
+    if (values.size() > count) {
+      faces->assign(values.begin() + 1, values.end());
+      values.resize(1);
+    }
+    return values;
+  };
   std::string stated = unitOf(*array);
   const std::size_t from = stated.find(" since ");
   since = from != stated.npos;
   if (since)
     stated.resize(from);
-  if (stated == "days" || stated == "day") {
-    for (double& value : values) value *= 24;
-    stated = "h";
-  }
   if (const auto positive = array->GetAttribute("positive")) {
     const char* said = positive->ReadAsString();
     if (said && lowerCase(said) == "down") {
@@ -161,7 +186,7 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
   if (stated.empty() && !unit.empty())
     unitless.push_back(fmt::format("{} is taken in {}", array->GetName(), unit));
   if (stated.empty() || unit.empty())
-    return values;
+    return split();
   const auto change = unitChange(stated, unit);
   if (!change) {
     const bool ofPlaces = unit == "m";
@@ -170,7 +195,7 @@ Result<std::vector<double>> coordinateOf(const GDALDimension& dimension, const A
                 stated, ofPlaces ? "metres, or bounds of your own" : "seconds");
   }
   for (double& value : values) value = (*change)(value);
-  return values;
+  return split();
 }
 
 class GdalReader final : public ArrayReader {
@@ -183,7 +208,13 @@ class GdalReader final : public ArrayReader {
     unitless_.clear();
     CPLErrorReset();
     static constexpr const char* kDrivers[] = {"netCDF", "HDF5", "Zarr", nullptr};
-    dataset_.reset(GDALDataset::Open(file_.c_str(), GDAL_OF_MULTIDIM_RASTER, kDrivers));
+    // GDAL's driver reads CDF-5, and does not know it by its first bytes.
+    std::array<char, 4> magic{};
+    std::ifstream(path, std::ios::binary).read(magic.data(), magic.size());
+    const std::string name = std::string_view(magic.data(), magic.size()) == "CDF\5"
+                                 ? "NETCDF:\"" + file_ + "\""
+                                 : file_;
+    dataset_.reset(GDALDataset::Open(name.c_str(), GDAL_OF_MULTIDIM_RASTER, kDrivers));
     const auto root = dataset_ ? dataset_->GetRootGroup() : nullptr;
     if (!root) {
       return fail(ErrorCode::kInvalidData, "{}: no netCDF, HDF5 or Zarr file that can be read: {}",
@@ -231,22 +262,26 @@ class GdalReader final : public ArrayReader {
     bool since = false;
     VOLUTE_ASSIGN(auto times,
                   coordinateOf(*dimension, besideOf(*dimension), file_, "s", since, unitless_));
+    backwards_[0] = times.size() > 1 && times.back() < times.front();
+    if (backwards_[0])
+      std::ranges::reverse(times);
     if (since && !times.empty()) {
       const double first = times.front();
       for (double& time : times) time -= first;
     }
     for (std::size_t i = 0; i < times.size(); ++i) {
       if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
-        return fail(ErrorCode::kInvalidData,
-                    "{}: the coordinate '{}' says {} s at {} of {}; expected times that ascend",
-                    file_, dimension->GetName(), times[i], i, times.size());
+        return fail(
+            ErrorCode::kInvalidData,
+            "{}: the coordinate '{}' says {} s at {} of {}; expected times that ascend or descend",
+            file_, dimension->GetName(), times[i], i, times.size());
       }
     }
     return times;
   }
 
   Status read(int frame, int firstLayer, int layers, std::span<float> values, double offset,
-              double& rounding) override {
+              ArrayReadFacts& facts) override {
     if (!array_)
       return fail(ErrorCode::kInvalidData, "{}: was not opened before", file_);
     const std::size_t row = static_cast<std::size_t>(size_[2]) * size_[3] * size_[4];
@@ -269,8 +304,10 @@ class GdalReader final : public ArrayReader {
       if (asFloats_) {
         VOLUTE_TRY(readPart(frame, firstLayer + done, some, GDT_Float32, part.data()));
         for (float& number : part) {
-          if (isMissing(number))
+          if (isMissing(number)) {
+            note(number, facts);
             number = std::numeric_limits<float>::quiet_NaN();
+          }
         }
         continue;
       }
@@ -279,13 +316,17 @@ class GdalReader final : public ArrayReader {
       for (double& number : doubles) {
         if (number < 0)
           number += wrap_;
-        number = isMissing(number) ? std::numeric_limits<double>::quiet_NaN()
-                                   : scale_ * number + offset_;
+        if (isMissing(number)) {
+          note(number, facts);
+          number = std::numeric_limits<double>::quiet_NaN();
+        } else {
+          number = scale_ * number + offset_;
+        }
       }
       constexpr bool kBig = std::endian::native == std::endian::big;
       const auto beyond =
           toFloats({NumberKind::kFloat64, kBig}, std::as_bytes(std::span(doubles)).data(),
-                   sizeof(double), part, rounding, offset);
+                   sizeof(double), part, facts.rounding, offset);
       if (beyond) {
         return fail(ErrorCode::kInvalidData,
                     "{}: the value {:g} is beyond float32, in which values are kept; expected at "
@@ -346,7 +387,7 @@ class GdalReader final : public ArrayReader {
     VOLUTE_ASSIGN(const auto fill, numbersOf("_FillValue"));
     missing_.insert(missing_.end(), fill.begin(), fill.end());
     const double none = array_->GetNoDataValueAsDouble(&known);
-    if (known)
+    if (known && (fillIsNone_ || isUsualMarker(none)))
       missing_.push_back(none);
     std::erase(missing_, 0.0);  // what arrays begin with unless it is said
     isFloat_ = type == GDT_Float32 || type == GDT_Float64;
@@ -379,6 +420,10 @@ class GdalReader final : public ArrayReader {
     return {};
   }
 
+  /// Numbers that nobody has as values. The fill value of a plain array of Zarr is what it begins
+  /// with, as zarr.ones() does; xarray's means that nothing is there.
+  static bool isUsualMarker(double fill) { return fill <= -999 || std::abs(fill) >= 1e20; }
+
   /// An end of the valid range. A float about stored integers that are scaled, or of a wider type
   /// than the stored numbers, is about scaled values, as netCDF's conventions say; any other is
   /// about stored numbers.
@@ -405,7 +450,7 @@ class GdalReader final : public ArrayReader {
   /// Where the chunks of a Zarr array are. GDAL reads the fill value where there is none, 0 where
   /// that is null, and whatever length a chunk has.
   Status findChunks() {
-    chunks_.clear(), absent_.clear();
+    chunks_.clear(), absent_.clear(), fillIsNone_ = true;
     if (std::string_view(dataset_->GetDriver()->GetDescription()) != "Zarr")
       return {};
     std::filesystem::path folder = std::filesystem::path(file_) / array_->GetFullName().substr(1);
@@ -415,6 +460,8 @@ class GdalReader final : public ArrayReader {
     const auto said = nlohmann::json::parse(text, nullptr, false);
     if (!said.is_object())
       return {};
+    std::ifstream about(folder / ".zattrs");
+    fillIsNone_ = nlohmann::json::parse(about, nullptr, false).contains("_ARRAY_DIMENSIONS");
     const auto isStated = [&](const char* name) {
       const auto found = said.find(name);
       return found != said.end() && !found->is_null() && *found != nlohmann::json::array();
@@ -536,13 +583,26 @@ class GdalReader final : public ArrayReader {
   }
 
   bool isMissing(double number) const {
-    // A file may state doubles about floats.
-    const auto rounded = [&](double one) {
-      return isFloat_ ? static_cast<double>(static_cast<float>(one)) : one;
-    };
-    const double its = rounded(number);
-    return its < rounded(low_) || its > rounded(high_) ||
-           std::ranges::any_of(missing_, [&](double one) { return its == rounded(one); });
+    const double its = asStored(number);
+    return isBeyondRange(number) ||
+           std::ranges::any_of(missing_, [&](double one) { return its == asStored(one); });
+  }
+
+  bool isBeyondRange(double number) const {
+    const double its = asStored(number);
+    return its < asStored(low_) || its > asStored(high_);
+  }
+
+  /// A file may state doubles about floats.
+  double asStored(double number) const {
+    return isFloat_ ? static_cast<double>(static_cast<float>(number)) : number;
+  }
+
+  /// What stands for nothing; whatever is beyond the valid range was told before.
+  void note(double number, ArrayReadFacts& facts) const {
+    facts.hasMarker = facts.hasMarker || !isBeyondRange(number);
+    if (!isBeyondRange(number))
+      facts.marker = number;
   }
 
   /// Which dimension is which axis.
@@ -608,12 +668,14 @@ class GdalReader final : public ArrayReader {
     constexpr double kRelative = 1e-3, kRounding = 1e-6;
     std::array<double, 3> low{}, high{}, step{};
     std::array<bool, 3> has{};
+    std::array<std::vector<double>, 3> faces;
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
       const auto dimension = dimensionOf(3 - i);
       bool since = false;
-      VOLUTE_ASSIGN(const auto places, coordinateOf(*dimension, besideOf(*dimension), file_,
-                                                    place ? "m" : "", since, unitless_));
+      VOLUTE_ASSIGN(const auto places,
+                    coordinateOf(*dimension, besideOf(*dimension), file_, place ? "m" : "", since,
+                                 unitless_, root_.get(), &faces[i]));
       if (places.empty())
         continue;
       has[i] = true;
@@ -646,16 +708,27 @@ class GdalReader final : public ArrayReader {
     }
     if (!place || (!has[0] && !has[1] && !has[2]))
       return {};
+    std::vector<std::string> thin;
     for (int i = 0; i < 3; ++i) {
       if (!has[i]) {
         return fail(ErrorCode::kUnsupported, Hint::set("bounds"),
                     "{}: '{}' has coordinates, but none of {}; give bounds", file_, facts.name,
                     dimensionOf(3 - i)->GetName());
       }
-      const double half = 0.5 * (step[i] > 0 ? step[i] : std::isfinite(least) ? least : 1.0);
-      facts.bounds[i] = low[i] - half, facts.bounds[3 + i] = high[i] + half;
+      const auto& ends = faces[i];
+      if (ends.size() == 2 && std::isfinite(ends[0]) && std::isfinite(ends[1]) &&
+          ends[0] != ends[1]) {
+        facts.bounds[i] = std::min(ends[0], ends[1]);
+        facts.bounds[3 + i] = std::max(ends[0], ends[1]);
+        continue;
+      }
+      const double side = step[i] > 0 ? step[i] : std::isfinite(least) ? least : 1.0;
+      facts.bounds[i] = low[i] - 0.5 * side, facts.bounds[3 + i] = high[i] + 0.5 * side;
+      if (step[i] == 0)
+        thin.push_back(fmt::format("{:.6g} m along {}", side, dimensionOf(3 - i)->GetName()));
     }
     facts.placed = true;
+    fmt::format("{}", fmt::join(thin, ", ")).copy(facts.thin, ArrayFacts::kMaxText);
     return {};
   }
 
@@ -701,6 +774,7 @@ class GdalReader final : public ArrayReader {
   bool asFloats_ = false;
   double scale_ = 1, offset_ = 0;      // of the stored numbers
   std::vector<double> missing_;        // stored in the place of what is not there
+  bool fillIsNone_ = true;             // the file's fill value is one of them
   bool isFloat_ = false;               // what is stored
   double low_ = 0, high_ = 0;          // beyond them nothing is there
   std::string range_;                  // the same as text, by the attributes that say it
@@ -730,7 +804,24 @@ class GdalWriter final : public ArrayWriter {
     if (!root)
       return failed();
     std::vector<std::shared_ptr<GDALDimension>> dimensions;
-    const auto axis = [&](const char* name, const char* unit, auto size, auto place) -> Status {
+    std::shared_ptr<GDALDimension> two;  // of the two faces of a lone voxel
+    const auto faces = [&](const std::string& name, GDALMDArray& array, int i) -> Status {
+      const auto doubles = GDALExtendedDataType::Create(GDT_Float64);
+      const auto attribute =
+          array.CreateAttribute("bounds", {}, GDALExtendedDataType::CreateString(), nullptr);
+      if (!two)
+        two = root->CreateDimension("nv", "", "", 2);
+      const ArrayPtr ends =
+          two ? root->CreateMDArray(name + "_bnds", {dimensions.back(), two}, doubles) : nullptr;
+      const double numbers[] = {info.bounds.min[i], info.bounds.max[i]};
+      constexpr GUInt64 kStarts[] = {0, 0};
+      constexpr std::size_t kCounts[] = {1, 2};
+      const bool good = attribute && attribute->Write((name + "_bnds").c_str()) && ends &&
+                        ends->Write(kStarts, kCounts, nullptr, nullptr, doubles, numbers);
+      return good ? Status() : failed();
+    };
+    const auto axis = [&](const char* name, const char* unit, auto size, auto place,
+                          int along = -1) -> Status {
       const auto count = static_cast<std::size_t>(size);
       const auto dimension = root->CreateDimension(name, "", "", count);
       const auto doubles = GDALExtendedDataType::Create(GDT_Float64);
@@ -745,8 +836,9 @@ class GdalWriter final : public ArrayWriter {
       std::vector<double> places;
       for (std::size_t i = 0; i < count; ++i) places.push_back(place(static_cast<double>(i)));
       const GUInt64 start = 0;
-      return array->Write(&start, &count, nullptr, nullptr, doubles, places.data()) ? Status()
-                                                                                    : failed();
+      if (!array->Write(&start, &count, nullptr, nullptr, doubles, places.data()))
+        return failed();
+      return along >= 0 && count == 1 ? faces(name, *array, along) : Status();
     };
     const auto centres = [&](int i, int count) {
       const double low = info.bounds.min[i], high = info.bounds.max[i];
@@ -754,9 +846,9 @@ class GdalWriter final : public ArrayWriter {
     };
     const auto time = [&](double at) { return info.times[static_cast<std::size_t>(at)]; };
     VOLUTE_TRY(axis("time", "s", info.frames, time));
-    VOLUTE_TRY(axis("z", "m", info.z, centres(2, info.z)));
-    VOLUTE_TRY(axis("y", "m", info.y, centres(1, info.y)));
-    VOLUTE_TRY(axis("x", "m", info.x, centres(0, info.x)));
+    VOLUTE_TRY(axis("z", "m", info.z, centres(2, info.z), 2));
+    VOLUTE_TRY(axis("y", "m", info.y, centres(1, info.y), 1));
+    VOLUTE_TRY(axis("x", "m", info.x, centres(0, info.x), 0));
     if (info.channels > 1)
       VOLUTE_TRY(axis("c", nullptr, info.channels, time));
     // Packed by layers, so that a slice reads little, with checksums.

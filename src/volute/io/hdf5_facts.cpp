@@ -61,8 +61,9 @@ herr_t noteLink(hid_t group, const char* name, const H5L_info_t* info, void* lin
 
 /// How Python reads it, whose HDF5 opens other files and loads filters.
 std::string inPython(const std::string& file, const std::string& name) {
-  return fmt::format("let Python read it: volute.compress(h5py.File(\"{}\")[\"{}\"], \"{}.volute\")",
-                     file, name, std::filesystem::path(file).stem().string());
+  return fmt::format(
+      "let Python read it: volute.compress(h5py.File(\"{}\")[\"{}\"], \"{}.volute\")", file, name,
+      std::filesystem::path(file).stem().string());
 }
 
 /// An error where a dataset is put together from other files, or has its bytes there.

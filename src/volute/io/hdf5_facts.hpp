@@ -28,8 +28,8 @@ struct Hdf5Chunks {
   std::string lacks;
 };
 
-/// Which parts of a dataset are there. kUnsupported where its numbers lie in other files: HDF5 gives
-/// the fill value for what it may not open.
+/// Which parts of a dataset are there. kUnsupported where its numbers lie in other files: HDF5
+/// gives the fill value for what it may not open.
 /// @param name  as GDAL has it: "/group/soot"
 [[nodiscard]] Result<Hdf5Chunks> hdf5Chunks(const std::string& file, const std::string& name);
 

@@ -23,6 +23,9 @@ TEST(Units, AreConverted) {
   EXPECT_EQ(changed(1.5, "min", "s"), 90);
   EXPECT_EQ(changed(1.5, "MIN", "s"), 90);
   EXPECT_EQ(changed(0.5, "hours", "s"), 1800);
+  EXPECT_EQ(changed(0.5, "days", "s"), 43200);
+  EXPECT_EQ(changed(250, "Milliseconds", "s"), 0.25);
+  EXPECT_EQ(changed(250, "millimetres", "m"), 0.25);
   EXPECT_NEAR(changed(250, "µs", "s"), 2.5e-4, 1e-18);
   EXPECT_NEAR(changed(300, "K", "C"), 26.85, 1e-9);
   EXPECT_NEAR(changed(140, "°F", "C"), 60, 1e-9);
@@ -50,6 +53,8 @@ TEST(Units, OfOtherThingsAreRefused) {
   EXPECT_FALSE(unitChange("m99999999999", "m"));
   EXPECT_TRUE(isUnit(""));
   EXPECT_FALSE(isUnit("2"));
+  EXPECT_FALSE(isUnit("kilo"));
+  EXPECT_FALSE(isUnit("millicelsius"));
 }
 
 TEST(Tables, NumbersOfFortranAreRead) {

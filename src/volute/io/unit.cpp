@@ -89,10 +89,14 @@ constexpr NamedUnit kWords[] = {
     {"metres", {kLength}},
     {"meter", {kLength}},
     {"meters", {kLength}},
+    {"foot", {kLength, 0, 0.3048}},
     {"feet", {kLength, 0, 0.3048}},
     {"inch", {kLength, 0, 0.0254}},
     {"inches", {kLength, 0, 0.0254}},
+    {"micron", {kLength, 0, 1e-6}},
+    {"microns", {kLength, 0, 1e-6}},
     {"sec", {kTime}},
+    {"secs", {kTime}},
     {"second", {kTime}},
     {"seconds", {kTime}},
     {"minute", {kTime, 0, 60}},
@@ -100,7 +104,14 @@ constexpr NamedUnit kWords[] = {
     {"hr", {kTime, 0, 3600}},
     {"hour", {kTime, 0, 3600}},
     {"hours", {kTime, 0, 3600}},
+    {"day", {kTime, 0, 86400}},
+    {"days", {kTime, 0, 86400}},
 };
+
+/// That may stand before a word of length or time.
+constexpr std::pair<std::string_view, double> kPrefixWords[] = {{"nano", 1e-9},  {"micro", 1e-6},
+                                                                {"milli", 1e-3}, {"centi", 1e-2},
+                                                                {"deci", 0.1},   {"kilo", 1e3}};
 
 constexpr std::pair<char, double> kPrefixes[] = {{'n', 1e-9}, {'u', 1e-6}, {'m', 1e-3},
                                                  {'c', 1e-2}, {'d', 1e-1}, {'h', 1e2},
@@ -175,12 +186,22 @@ std::optional<Unit> productOf(std::string_view text) {
   return unit;
 }
 
+std::optional<Unit> wordOf(std::string_view lower) {
+  const auto* found = std::ranges::find(kWords, lower, &NamedUnit::name);
+  return found == std::end(kWords) ? std::nullopt : std::optional(found->unit);
+}
+
 std::optional<Unit> unitOf(std::string_view said) {
   const std::string text = plain(said);
   const std::string lower = lowerCase(text);
-  for (const NamedUnit& one : kWords) {
-    if (lower == one.name)
-      return one.unit;
+  if (const auto word = wordOf(lower))
+    return word;
+  for (const auto& [prefix, factor] : kPrefixWords) {
+    auto word = lower.starts_with(prefix) ? wordOf(lower.substr(prefix.size())) : std::nullopt;
+    if (word && word->factor == 1 && (word->dimension == kLength || word->dimension == kTime)) {
+      word->factor = factor;
+      return word;
+    }
   }
   const auto unit = productOf(text);
   return unit ? unit : productOf(lower);
