@@ -5,6 +5,7 @@ import json
 import math
 import statistics
 
+import meaning_formats
 import pictures
 import support
 from render_test import read_png
@@ -44,6 +45,26 @@ class Look(support.TestCase):
 
     def brightest(self, picture):
         return self.works("info", picture, "--json").json["maximum"]
+
+    def test_temperatures_in_degrees_glow_as_those_in_kelvins(self):
+        kelvins = [300 + 1300 * value for value in ball(16)]
+        scaled = {"K": lambda k: k, "degC": lambda k: k - 273.15, "degF": lambda k: 1.8 * k - 459.67}
+        places = {axis: [0.05 + 0.1 * i for i in range(16)] for axis in "zyx"} | {"t": [0]}
+        camera = {"eye": [0.8, -2, 0.8], "target": [0.8, 0.8, 0.8], "fov": 30, "size": [24, 24]}
+        for own in (False, True):
+            seen = {}
+            for unit, change in scaled.items():
+                name = self.path(f"{unit}.nc")
+                name.write_bytes(meaning_formats.netcdf(sizes=(1, 16, 16, 16), names={"s": "temperature"}, units={"s": unit}, places=places,
+                                                        change=lambda values: [change(k) for k in kelvins]))
+                volume = {"kind": "volume", "file": name.name} | ({"emission": 0, "flames": {"temperature": "temperature", "hottest": 1500}} if own else {})
+                self.path("s.json").write_text(json.dumps({"format": "volute-scene-2", "camera": camera, "media": [volume]}))
+                self.works("render", self.path("s.json"), "-o", self.path("x.exr"), measured=False)
+                seen[unit] = self.brightest(self.path("x.exr"))
+                said = self.works("render", name, "-o", self.path("x.png"), "--size", "8x8").message
+                self.assertEqual(" K) as black bodies as hot as" in said, unit != "K", said)
+            for unit in ("degC", "degF"):
+                self.assertAlmostEqual(seen[unit] / seen["K"], 1, delta=0.03, msg=f"{own} {unit}")
 
     def test_dense_clouds_are_brighter_where_light_is_scattered_more_than_once(self):
         scene = self.scene(extinction=60, albedo=[0.95, 0.95, 0.95],

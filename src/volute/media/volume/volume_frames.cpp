@@ -17,6 +17,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
+#include "volute/io/unit.hpp"
 #include "volute/io/volume_source.hpp"
 #include "volute/math/eigen.hpp"
 #include "volute/math/rotation.hpp"
@@ -790,7 +791,14 @@ Result<std::shared_ptr<const BrickSlice>> VolumeMedium::shadedSliceAt(double fra
     }
     return slice;
   };
-  const auto flames = appearance_.flames;
+  auto flames = appearance_.flames;
+  if (flames && !flames->temperature.empty() && flames->kelvin == 1 && flames->zero == 0) {
+    // Nobody says what its numbers mean but the file.
+    const auto other = others_.find(flames->temperature);
+    const VolumeInput* heat = other == others_.end() ? input_.get() : other->second.get();
+    if (const auto kelvins = heat ? unitChange(heat->source->info().unit, "K") : std::nullopt)
+      flames->kelvin = kelvins->factor, flames->zero = kelvins->offset;
+  }
   const auto& transfer = appearance_.transfer;
   const bool emits = flames || transfer || appearance_.emission != 0;
   VolumeInfo info = infoAt(framePosition);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <optional>
 
 #include "volute/base/lower_case.hpp"
 #include "volute/base/remark_log.hpp"
@@ -228,6 +229,7 @@ class Grids {
     extinctions_[name] = std::nullopt;
     if (name == mainName()) {
       extinctions_[name] = extinctionByUnit(info());
+      units_[name] = info().unit;
       return figuresOf(main_);
     }
     InputOptions one = input_;
@@ -240,6 +242,7 @@ class Grids {
     if (!other)
       return tl::unexpected(std::move(other.error()));
     extinctions_[name] = extinctionByUnit(other->source->info());
+    units_[name] = other->source->info().unit;
     other->source = asFinite(std::move(other->source), NotFinite::kRefuse, path_);
     keep(*other);
     if (auto figures = figuresOf(*other); figures || figures.error().code == ErrorCode::kCancelled)
@@ -247,6 +250,14 @@ class Grids {
     // It may not be drawn at all.
     VOLUTE_ASSIGN(*other, openVolume(path_, one, silent));
     return figuresOf(*other);
+  }
+
+  /// What makes kelvins of a grid that range() was asked about; nothing where it states no other
+  /// unit.
+  std::optional<UnitChange> kelvinsOf(const std::string& name) const {
+    const auto unit = units_.find(name);
+    const auto change = unit != units_.end() ? unitChange(unit->second, "K") : std::nullopt;
+    return change && (change->factor != 1 || change->offset != 0) ? change : std::nullopt;
   }
 
  private:
@@ -279,6 +290,7 @@ class Grids {
   VolumeInput main_;
   std::vector<std::string> names_;
   std::string taken_;
+  std::map<std::string, std::string> units_;  // of those that were asked about
   std::vector<Remark> levelSets_;
   std::map<std::string, std::optional<double>> extinctions_;
   bool named_ = true;
@@ -289,7 +301,8 @@ struct Choice {
   VolumePreset preset = VolumePreset::kNone;
   std::string density, flame, heat;
   std::string unusable;  // the grid whose name or class says what it is, and why it cannot be that
-  LookFigures densityRange, flameRange, heatRange;
+  LookFigures densityRange, flameRange, heatRange;  // the last of them in kelvins
+  std::string heatUnit;                             // " K" where the file has another one
 };
 
 /// By names. A grid that somebody states is the one that is shown.
@@ -364,6 +377,12 @@ Result<Choice> choose(VolumePreset wanted, Grids& grids, const std::string& path
                                            range->least, range->most)
                                      : std::string("none of its values is above 0");
     name->clear();
+  }
+  if (const auto change = grids.kelvinsOf(choice.heat)) {
+    choice.heatRange.most = (*change)(choice.heatRange.most);
+    choice.heatRange.column =
+        change->factor * choice.heatRange.column + change->offset * grids.info().bounds.size().z();
+    choice.heatUnit = " K";
   }
   const bool kelvins = choice.heatRange.most >= kKelvins;
   const bool burns = !choice.flame.empty() || (!choice.heat.empty() && kelvins);
@@ -540,8 +559,9 @@ Result<VolumePreset> applyPreset(VolumePreset preset, const std::string& path, I
     }
     if (!text.empty())
       text += "; ";
-    text += fmt::format("fire from '{}' (0 to {:.3g}) as black bodies {}",
+    text += fmt::format("fire from '{}' (0 to {:.3g}{}) as black bodies {}",
                         choice.flame.empty() ? choice.heat : choice.flame, range.most,
+                        choice.flame.empty() ? choice.heatUnit : "",
                         flames.temperature.empty()
                             ? fmt::format("of {:g} to {:g} K", flames.coolest, flames.hottest)
                             : fmt::format("as hot as '{}' says", flames.temperature));
