@@ -580,6 +580,37 @@ class Resampled(Places):
         self.works("resample", CACHE, "-o", self.path("c.volute"), "--frames", "101:102", "--field", "density,solid", "--voxel-size", "0.2")
         self.assertEqual([one["name"] for one in self.works("info", self.path("c.volute"), "--json").json["grids"]], ["density", "solid"])
 
+    def test_nanovdb_takes_any_class_of_vectors(self):
+        """NanoVDB knows no vectors of a fog volume, and its own check takes them for damage; OpenVDB, whose arrays are such, has them."""
+        shape, values = support.plume(1, 9, channels=3)
+        support.write_npy(self.path("rgb.npy"), shape, values)
+        self.works("compress", self.path("rgb.npy"), "-o", self.path("rgb.volute"), "--max-error", "1e-3")
+        self.works("extract", self.path("rgb.volute"), "-o", self.path("rgb.nvdb"))
+        self.works("extract", self.path("rgb.volute"), "-o", self.path("rgb.vdb"))
+        same = lambda name: self.works("compare", self.path("rgb.vdb"), self.path(name), "--json").json["max_error"]
+        self.assertEqual(same("rgb.nvdb"), 0)
+        self.works("resample", self.path("rgb.vdb"), "-o", self.path("moved.nvdb"), "--voxel-size", "0.7")
+        self.assertEqual(self.works("info", self.path("moved.nvdb"), "--json").json["grids"][0]["type"], "vec3s")
+        data = bytearray(self.path("rgb.nvdb").read_bytes())
+        header, facts = 16, 176
+        begin = header + facts + struct.unpack_from("<I", data, header + 136)[0]
+        self.assertEqual(data[begin:begin + 8], b"NanoVDB0")
+        checksum, grid_class, fog_volume = begin + 8, begin + 632, 2
+        data[grid_class:grid_class + 4] = struct.pack("<I", fog_volume)
+        self.path("wrong.nvdb").write_bytes(data)
+        self.assertIn("a grid is damaged", self.fails(1, "info", self.path("wrong.nvdb")))
+        # The first checksum is of all up to the end of the root's table, which has a tile where the first node of the tree begins.
+        tree = begin + 672
+        root = tree + struct.unpack_from("<q", data, tree + 24)[0]
+        upper = tree + struct.unpack_from("<q", data, tree + 16)[0]
+        self.assertLess(root, upper)
+        data[checksum:checksum + 4] = struct.pack("<I", zlib.crc32(data[begin + 16:upper]))
+        self.path("fog.nvdb").write_bytes(data)
+        self.assertEqual(same("fog.nvdb"), 0)
+        data[-40] ^= 1
+        self.path("broken.nvdb").write_bytes(data)
+        self.assertIn("a grid is damaged", self.fails(1, "info", self.path("broken.nvdb")))
+
     def test_nanovdb(self):
         self.works("extract", CACHE, "-o", self.path("n_%04d.nvdb"))
         self.works("extract", CACHE, "-o", self.path("v_%04d.vdb"))

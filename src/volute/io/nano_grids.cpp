@@ -119,15 +119,34 @@ openvdb::GridBase::Ptr toOpenVdb(const nanovdb::NanoGrid<Kind>& grid) {
   return made;
 }
 
+/// Whether it is as it was written. NanoVDB's own check refuses a class that does not go with the
+/// type, such as vectors of a fog volume, which OpenVDB's grids may have: a label, no damage.
+template <class Kind>
+bool isSound(nanovdb::NanoGrid<Kind>& grid) {
+  using nanovdb::GridClass;
+  if (nanovdb::isValid(grid.gridType(), grid.gridClass()))
+    return nanovdb::isValid(grid, true);
+  if (grid.gridClass() >= GridClass::End ||
+      !nanovdb::validateChecksum(grid, nanovdb::ChecksumMode::Full))
+    return false;
+  auto& data = *grid.data();
+  const auto [own, checksum] = std::pair(data.mGridClass, data.mChecksum);
+  data.mGridClass = GridClass::Unknown;
+  data.mChecksum = nanovdb::GridChecksum::EMPTY;  // of the rest, which was compared
+  const bool sound = nanovdb::isValid(grid, true);
+  data.mGridClass = own, data.mChecksum = checksum;
+  return sound;
+}
+
 /// Of any kind that OpenVDB has too.
 template <class... Kinds>
-openvdb::GridBase::Ptr toOpenVdb(const nanovdb::GridHandle<>& handle, bool& sound) {
+openvdb::GridBase::Ptr toOpenVdb(nanovdb::GridHandle<>& handle, bool& sound) {
   openvdb::GridBase::Ptr made;
   const auto take = [&]<class Kind>() {
-    const auto* grid = made ? nullptr : handle.grid<Kind>();
+    auto* grid = made ? nullptr : handle.grid<Kind>();
     if (!grid)
       return;
-    sound = grid->gridSize() == handle.size() && nanovdb::isValid(*grid, true);
+    sound = grid->gridSize() == handle.size() && isSound(*grid);
     if (sound)
       made = toOpenVdb<Kind>(*grid);
   };
@@ -135,9 +154,20 @@ openvdb::GridBase::Ptr toOpenVdb(const nanovdb::GridHandle<>& handle, bool& soun
   return made;
 }
 
+/// With no class where NanoVDB has no such one for its values.
+openvdb::GridBase::ConstPtr labelled(const openvdb::GridBase::Ptr& grid) {
+  const openvdb::GridClass own = grid->getGridClass();
+  const bool vectors = grid->valueType().starts_with("vec");
+  if (own == openvdb::GRID_UNKNOWN || vectors == (own == openvdb::GRID_STAGGERED))
+    return grid;
+  const auto copy = grid->copyGrid();
+  copy->setGridClass(openvdb::GRID_UNKNOWN);
+  return copy;
+}
+
 /// Nothing for a type that is none of these.
 template <class... Grids>
-nanovdb::GridHandle<> toNanoVdb(const openvdb::GridBase::Ptr& grid) {
+nanovdb::GridHandle<> toNanoVdb(const openvdb::GridBase::ConstPtr& grid) {
   nanovdb::GridHandle<> made;
   const auto take = [&]<class Grid>() {
     if (const auto one = openvdb::GridBase::grid<Grid>(grid))
@@ -185,7 +215,7 @@ Result<std::vector<openvdb::GridBase::Ptr>> readNanoGrids(const std::filesystem:
       return damaged("it ends before its grids do");
   }
   std::vector<openvdb::GridBase::Ptr> grids;
-  for (const auto& handle : io::readGrids<HostBuffer, std::vector>(path.string())) {
+  for (auto& handle : io::readGrids<HostBuffer, std::vector>(path.string())) {
     bool sound = true;
     auto grid = toOpenVdb<float, double, Fp4, Fp8, Fp16, FpN, Vec3f, Vec3d, std::int32_t,
                           std::int64_t, bool, ValueMask>(handle, sound);
@@ -207,7 +237,7 @@ void writeNanoGrids(std::ostream& stream, const std::vector<openvdb::GridBase::P
   using namespace openvdb;
   std::vector<nanovdb::GridHandle<>> handles;
   for (const auto& grid : grids) {
-    handles.push_back(toNanoVdb<FloatGrid, DoubleGrid, Vec3fGrid, Vec3dGrid>(grid));
+    handles.push_back(toNanoVdb<FloatGrid, DoubleGrid, Vec3fGrid, Vec3dGrid>(labelled(grid)));
     if (!handles.back())
       throw std::runtime_error("grid '" + grid->getName() + "' is of OpenVDB's type " +
                                grid->valueType() + ", which is not written as NanoVDB");
