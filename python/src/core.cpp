@@ -190,9 +190,10 @@ class File {
   File(const std::filesystem::path& path, bool partial, std::uint64_t maxMemory,
        const std::string& grid)
       : reader_(take(unlocked([&] {
-          return VoluteReader::open(
-              path,
-              {.partial = partial, .maxMemory = maxMemory, .grid = grid, .differences = true});
+          return VoluteReader::open(path, {.partial = partial,
+                                           .maxMemory = maxMemory,
+                                           .grid = grid,
+                                           .differences = Offsets::kAll});
         }))) {}
 
   py::dict info() const {
@@ -467,7 +468,9 @@ class PythonFrames final : public RoundingSource {
 
   double offset() const override { return offset_; }
 
-  bool takesOffset() const override { return doubles_; }
+  bool mayRound() const override { return doubles_; }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
 

@@ -68,23 +68,23 @@ def volute(*arguments, **options):
     return Result(subprocess.run(command, **options))
 
 
-def write_npy(path, shape, values, times=1):
-    """float32 in C order; the values so many times."""
-    header = repr({"descr": "<f4", "fortran_order": False, "shape": tuple(shape)}).encode()
+def write_npy(path, shape, values, times=1, code="f"):
+    """float32 in C order, or with code "d" float64; the values so many times."""
+    header = repr({"descr": {"f": "<f4", "d": "<f8"}[code], "fortran_order": False, "shape": tuple(shape)}).encode()
     header += b" " * (-(len(header) + 11) % 64) + b"\n"
-    data = array.array("f", values)
+    data = array.array(code, values)
     if sys.byteorder == "big":
         data.byteswap()
     pathlib.Path(path).write_bytes(b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + times * data.tobytes())
 
 
 def read_npy(data):
-    """(shape, values) from the bytes of a float32 file."""
+    """(shape, values) from the bytes of a file of float32 or float64."""
     assert data[:8] == b"\x93NUMPY\x01\x00", data[:8]
     (length,) = struct.unpack_from("<H", data, 8)
     header = ast.literal_eval(data[10:10 + length].decode())
-    assert header["descr"] == "<f4" and not header["fortran_order"], header
-    values = array.array("f")
+    assert not header["fortran_order"], header
+    values = array.array({"<f4": "f", "<f8": "d"}[header["descr"]])
     values.frombytes(data[10 + length:])
     return header["shape"], values
 

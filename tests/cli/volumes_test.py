@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # SPDX-FileCopyrightText: The Volute authors
 """Volumes through the program and back, measured here with code of our own."""
+import array
+import itertools
 import json
 import math
 import pathlib
@@ -566,6 +568,76 @@ class Volumes(support.TestCase):
             brightest.append(self.works("info", self.path("p.exr"), "--json").json["maximum"])
         self.assertGreater(brightest[1], 0.3 * brightest[0])
         self.assertLess(brightest[1], 3 * brightest[0])
+
+    def test_floats_far_from_zero_keep_what_differs(self):
+        """Absolute pressure: a transform of it in float32 rounds by more than the default error."""
+        for channels in (1, 3):
+            shape, puff = support.plume(3, 10, channels)
+            values = array.array("f", (101300 + 8 * value for value in puff))
+            span = max(values) - min(values)
+            write_npy(self.path("p.npy"), shape, values)
+            self.works("resample", self.path("p.npy"), "-o", self.path("p_%04d.vdb"), "--bounds", "0,0,0,1,1,1", "--voxel-size", "0.1")
+            goals = [(), ("--max-error", "0.011")]
+            goals += [("--quality", "measure"), ("--max-error", "1e-3"), ("--max-error", "0.3")] if channels == 1 else []
+            for source, goal in itertools.product(("p.npy", "p_%04d.vdb"), goals):
+                said = self.works("compress", self.path(source), "-o", self.path("p.volute"), *goal, "--json").json
+                one = said["grids"][0] if "grids" in said else said
+                rms = {(): 7e-4, ("--quality", "measure"): 1e-4}.get(goal, 1)
+                most = float(goal[1]) if goal and goal[0] == "--max-error" else span
+                self.assertLessEqual(one["max_error"], most, (source, goal))
+                self.works("extract", self.path("p.volute"), "-o", self.path("back.npy"))
+                self.works("extract", self.path("p.volute"), "-o", self.path("q_%04d.vdb"))
+                self.works("resample", self.path("q_%04d.vdb"), "-o", self.path("q.npy"), "--bounds", "0,0,0,1,1,1", "--voxel-size", "0.1")
+                for name in ("back.npy", "q.npy"):
+                    back = support.read_npy(self.path(name).read_bytes())[1]
+                    errors = [abs(a - b) for a, b in zip(values, back, strict=True)]
+                    self.assertLessEqual(max(errors), one["max_error"], (source, goal, name))
+                    self.assertLessEqual(math.sqrt(sum(error ** 2 for error in errors) / len(errors)) / span, rms, (source, goal, name))
+                kinds = {grid["type"] for grid in self.works("info", self.path("q_0000.vdb"), "--json").json["grids"]}
+                floats, doubles = ("float", "double") if channels == 1 else ("vec3s", "vec3d")
+                self.assertEqual(kinds, {floats if source.endswith(".vdb") else doubles})
+
+    def test_parts_of_floats_far_from_zero_are_joined_as_they_are(self):
+        shape, puff = support.plume(20, 8)
+        values = [300 + value * (1 + 0.02 * (i // 512)) for i, value in enumerate(puff)]
+        write_npy(self.path("p.npy"), shape, values)
+        for part, frames in (("a", "0:16"), ("b", "16:20")):
+            self.works("compress", self.path("p.npy"), "-o", self.path(f"{part}.volute"), "--frames", frames)
+        self.assertTrue(self.works("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("all.volute"), "--json").json["exact"])
+
+    def test_parts_too_far_apart_for_one_file_are_told(self):
+        shape, puff = support.plume(20, 6)
+        for part, base, frames in (("a", 1e6, "0:16"), ("b", 2e6, "16:20")):
+            write_npy(self.path("p.npy"), shape, [base + value for value in puff], code="d")
+            self.works("compress", self.path("p.npy"), "-o", self.path(f"{part}.volute"), "--frames", frames, "--max-error", "1e-3")
+        words = ("join", self.path("a.volute"), self.path("b.volute"), "-o", self.path("all.volute"))
+        self.assertIn("'density' is encoded again, up to", self.works(*words).message)
+        self.assertIn("keep the parts", self.fails(1, *words, "--strict"))
+
+    def test_resampled_doubles_stay_doubles(self):
+        shape, puff = support.plume(2, 8)
+        values = array.array("d", (1e6 + value for value in puff))
+        write_npy(self.path("p.npy"), shape, values, code="d")
+        self.works("compress", self.path("p.npy"), "-o", self.path("p.volute"), "--max-error", "1e-3")
+        words = ("--bounds", "0,0,0,1,1,1", "--voxel-size", "0.125")
+        for source, most in (("p.npy", 1e-7), ("p.volute", 1e-3)):
+            self.works("resample", self.path(source), "-o", self.path("r.npy"), *words)
+            self.works("resample", self.path(source), "-o", self.path("r_%04d.vdb"), *words)
+            said = self.works("resample", self.path(source), "-o", self.path("r.volute"), *words, "--rms", "1e-4")
+            self.works("extract", self.path("r.volute"), "-o", self.path("q.npy"))
+            self.works("resample", self.path("r_%04d.vdb"), "-o", self.path("v.npy"), *words)
+            for name, more in (("r.npy", 0), ("v.npy", 0), ("q.npy", 3e-3)):
+                back = support.read_npy(self.path(name).read_bytes())[1]
+                self.assertEqual(back.typecode, "d", name)
+                self.assertLessEqual(max(abs(a - b) for a, b in zip(values, back, strict=True)), most + more, (source, name, said.message))
+
+    def test_a_small_maximum_error_is_met_where_a_smaller_one_is(self):
+        """Corrections of floats are rounded themselves: finer ones make up for it."""
+        shape, puff = support.plume(2, 9)
+        write_npy(self.path("p.npy"), shape, [0.3 + 8.2 * value for value in puff])
+        for most in ("3e-5", "2e-5", "1.2e-5", "1e-5", "9e-6", "5e-6", "2e-6"):
+            said = self.works("compress", self.path("p.npy"), "-o", self.path("p.volute"), "--max-error", most, "--json").json
+            self.assertLessEqual(said["max_error"], float(most))
 
     def test_what_fills_most_of_a_volume_takes_no_accuracy_from_the_rest(self):
         """A warm ball in air of 300 K, in air of hundredths of a kelvin more or less, and beside what stands for no data."""

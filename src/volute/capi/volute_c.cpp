@@ -205,7 +205,7 @@ std::vector<GridMatrix> placesOf(const VoluteReader& reader) {
 }
 
 /// Frames that the caller's function fills.
-class CallerFrames final : public FrameSource {
+class CallerFrames final : public RoundingSource {
  public:
   CallerFrames(VolumeInfo info, volute_frame_function fill, void* user)
       : info_(std::move(info)), fill_(fill), user_(user) {}
@@ -216,13 +216,24 @@ class CallerFrames final : public FrameSource {
     const CallersFunction running;
     if (fill_(user_, index, values.data(), values.size()) != 0)
       return fail(ErrorCode::kCancelled, "the caller's function stopped at frame {}", index);
+    for (std::size_t i = 0; offset_ != 0 && i < values.size(); ++i)
+      values[i] = static_cast<float>(static_cast<double>(values[i]) - offset_);
     return {};
   }
+
+  double rounding() const override { return 0; }
+
+  double offset() const override { return offset_; }
+
+  bool takesOffset() const override { return true; }
+
+  void takeOffset(double offset) override { offset_ = offset; }
 
  private:
   VolumeInfo info_;
   volute_frame_function fill_;
   void* user_;
+  double offset_ = 0;
 };
 
 /// Structures of programs that were compiled against an older header are shorter.
@@ -596,7 +607,7 @@ volute_status volute_file_open_grid(const char* path, const char* grid, volute_f
     *file = nullptr;
     volute::VoluteReader::Options options;
     options.grid = grid;
-    options.differences = true;
+    options.differences = volute::Offsets::kAll;
     VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path, options));
     *file = new volute_file{std::move(reader)};
     return {};
@@ -709,6 +720,7 @@ volute_status volute_compress(const char* path, const volute_info* info, const d
     VOLUTE_TRY(volute::given("volute_compress", path, info, fill));
     VOLUTE_ASSIGN(auto volume, volute::volumeOf("volute_compress", *info, times));
     volute::CallerFrames frames(std::move(volume), fill, user);
+    VOLUTE_TRY(volute::settleOffset(frames));
     return volute::compressFrames("volute_compress", path, frames, target, value);
   });
 }

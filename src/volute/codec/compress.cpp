@@ -161,13 +161,18 @@ tl::unexpected<Error> Compressor::unreachable() const {
                 "as {:.3g} are {:.2g} apart; ask for more",
                 name_, nameOf(options_.target.kind), options_.target.value, greatest, apart);
   }
-  return fail(ErrorCode::kUnsupported,
-              "{}: {} = {} cannot be reached: the rounding of float32 leaves a relative RMS of "
-              "{:.3g} and a maximum error of {:.3g}; ask for more",
-              name_, nameOf(options_.target.kind), options_.target.value,
-              options_.target.isOverSupport() ? support_.rms + overSupport(rounding_)
-                                              : relativeRms_ + overAll(rounding_),
-              error_.maximum + rounding_);
+  // Floats as far from zero as that have an offset, unless some values lie elsewhere.
+  constexpr double kFar = 32;
+  const bool far = greatest > kFar * (support_.high - support_.low);
+  return fail(
+      ErrorCode::kUnsupported,
+      "{}: {} = {} cannot be reached: the rounding of float32{} leaves a relative RMS of {:.3g} "
+      "and a maximum error of {:.3g}; ask for more{}",
+      name_, nameOf(options_.target.kind), options_.target.value,
+      far ? fmt::format(", in which values up to {:.3g} are transformed,", greatest) : "",
+      options_.target.isOverSupport() ? support_.rms + overSupport(rounding_)
+                                      : relativeRms_ + overAll(rounding_),
+      error_.maximum + rounding_, far ? ", or subtract what most have in common first" : "");
 }
 
 // What an earlier run kept may lack the bytes: a disk lost them.
@@ -246,6 +251,22 @@ Status Compressor::searchStep(double first) {
   return {};
 }
 
+// The greatest error of decoded values after which floats, to which they are rounded with their
+// offset, are within `maxError`: of those between two floats one may be farther.
+double Compressor::withinFloats(double maxError) const {
+  constexpr double kAside = 1 - 1e-6;
+  if (!floats_)
+    return maxError;
+  const double greatest = std::max(std::abs(parameters_.offset + head_.header.valueMin),
+                                   std::abs(parameters_.offset + head_.header.valueMax));
+  // Of the greatest values, and those up to half as large.
+  const double apart = std::ldexp(1.0, std::ilogb(greatest) - 23);
+  double within = maxError;
+  for (const double one : {apart, apart / 2})
+    within = std::min(within, (std::floor(maxError / one) + 0.5) * one * kAside);
+  return within;
+}
+
 // Corrections keep the maximum error whatever the step: the one that makes the smallest file, from
 // the middle outwards.
 Status Compressor::searchSmallest() {
@@ -264,6 +285,14 @@ Status Compressor::searchSmallest() {
   }
   if (parameters_.step != best / parameters_.unit())
     VOLUTE_TRY(encodeAll(best, Pass::kEncode));
+  // What float32 adds to the corrected values is made up for by finer corrections.
+  constexpr int kTries = 4;
+  for (int i = 0; i < kTries && !(error_.maximum <= target); ++i) {
+    const double less = std::max(parameters_.maxError - 1.25 * (error_.maximum - target),
+                                 0.25 * parameters_.maxError);
+    parameters_.maxError = less;
+    VOLUTE_TRY(encodeAll(best, Pass::kEncode));
+  }
   if (!(error_.maximum <= target))
     return unreachable();
   return {};
@@ -315,11 +344,11 @@ Result<CompressReport> Compressor::run() {
                 rounding_);
   }
   if (options_.halves)
-    goal_.leaveRoomForHalves(roundingToHalves());
+    goal_.leaveRoomForHalves(roundingToHalves(), parameters_.offset);
   VOLUTE_TRY(goal_.leaveRoomFor(rounding_));
   if (goal_.isMaxError())
     // What is decoded is rounded to a float as well.
-    parameters_.maxError = std::max(goal_.value() - rounding_, 0.5 * goal_.value());
+    parameters_.maxError = withinFloats(std::max(goal_.value() - rounding_, 0.5 * goal_.value()));
   VOLUTE_TRY(team_.agree(openStore()));
   goal_.setModel(model_);
   double step = goal_.firstStep();

@@ -79,6 +79,9 @@ struct CompressOptions {
   /// The values are 16-bit floats and will be rounded to such again: the target holds after that
   /// rounding, too. The file states the errors before it.
   bool halves = false;
+  /// The values will be rounded to float32, offset and all: the target holds after that rounding as
+  /// before it. So it is anyway of values that are all such.
+  bool floats = false;
   std::uint64_t maxMemory = std::uint64_t{4} << 30;
   /// A folder for finished units, shared by all ranks: an interrupted run continues from them, with
   /// any number of ranks, and gives the same bytes. Removed at the end. Empty: none.
@@ -112,7 +115,8 @@ struct CompressReport {
 /// number of frames. NaN and Inf are refused with frame and voxel. The bytes are the same for any
 /// number of threads and ranks. Rank 0 writes; the others need only the source, and space for their
 /// share in the target's folder or in that for temporary files. Values far from 0 keep the
-/// exactness of doubles where settleOffset(source) was called before. Collective.
+/// exactness of doubles, and floats theirs, where settleOffset(source) was called before.
+/// Collective.
 [[nodiscard]] Result<CompressReport> compress(FrameSource& source,
                                               const std::filesystem::path& target,
                                               const CompressOptions& options, Progress& progress,

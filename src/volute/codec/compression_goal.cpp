@@ -39,7 +39,7 @@ bool CompressionGoal::isSize() const {
 // What rounding adds is independent of what the codec is off, where that is more than a part of a
 // rounding step; where it is less, the values that come back are those that went in. So one half of
 // the goal will always do.
-void CompressionGoal::leaveRoomForHalves(double rounding) {
+void CompressionGoal::leaveRoomForHalves(double rounding, double offset) {
   const auto left = [&](double rms) {
     const double relative = this->relative(rounding);
     return std::sqrt(std::max(rms * rms / 4, rms * rms - relative * relative));
@@ -49,7 +49,7 @@ void CompressionGoal::leaveRoomForHalves(double rounding) {
   else if (target_.kind == Kind::kPsnr)
     goal_ = -20 * std::log10(left(std::pow(10, -goal_ / 20)));
   else if (target_.kind == Kind::kMaxError)
-    goal_ = std::max(goal_ / 2, goal_ - std::ldexp(greatest_, -11));
+    goal_ = std::max(goal_ / 2, goal_ - std::ldexp(greatest_ + std::abs(offset), -11));
 }
 
 Status CompressionGoal::leaveRoomFor(double rounding) {

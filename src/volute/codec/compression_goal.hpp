@@ -34,7 +34,8 @@ class CompressionGoal {
 
   /// Asks for so much more that the goal is met after rounding to 16-bit floats.
   /// @param rounding  the RMS of that rounding, over the values that the goal is about
-  void leaveRoomForHalves(double rounding);
+  /// @param offset  of all values
+  void leaveRoomForHalves(double rounding, double offset);
 
   /// Asks for so much more that the goal is met by the numbers that were rounded to the values, at
   /// most that far. kUnsupported, with the target that can be met, where the rounding alone misses

@@ -70,6 +70,7 @@ class Compressor {
     parameters_.means = true;
     parameters_.sparse = source.hasTopology() || !overAll;
     parameters_.offset = offsetOf(source);
+    floats_ = parameters_.offset != 0;
     head_.header.codec = static_cast<int>(kSparseCodec);
     units_.setChecked(true);
     head_.header.writtenBy = "volute " VOLUTE_VERSION;
@@ -120,6 +121,7 @@ class Compressor {
   Status shareSegments();
   std::optional<BlockMode> chooseMode(const BlockContent& block, const BlockEncoder& encoder,
                                       const std::optional<BlockMode>& before) const;
+  template <bool kFloats>
   std::size_t findErrors(std::span<const float> values, std::span<const float> decoded,
                          std::span<const VoxelState> states, const BlockShape& shape,
                          CodingError& errors) const;
@@ -129,6 +131,7 @@ class Compressor {
   Status checkCancelled() const;
   Status searchStep(double first);
   Status searchSmallest();
+  double withinFloats(double maxError) const;
   Result<double> stepFromSome(double first);
   bool nearEnough() const;
 
@@ -199,6 +202,7 @@ class Compressor {
   std::vector<double> frameSquares_;  // the squares of it, frame by frame
   double relativeRms_ = 0;            // of the last pass over all blocks
   double rounding_ = 0;               // of the values, roundingOf() the source
+  bool floats_ = false;               // values with the offset are floats, as which they come back
   int tries_ = 0;
 };
 

@@ -83,6 +83,8 @@ Status Compressor::surveyUnit(std::int64_t number) {
   for (std::size_t i = 0; i < row_.facts().size(); ++i) facts_[firstFrame + i].add(row_.facts()[i]);
   row_.visitValues([&](float value, std::uint64_t count, bool tile) {
     tile ? histogram_.add(value, count) : histogram_.addVoxel(value);
+    const double number = parameters_.offset + value;
+    floats_ = floats_ && number == static_cast<double>(static_cast<float>(number));
   });
   inactive_.add(row_.inactiveValue());
   for (std::size_t i = 0; i < row_.facts().size(); ++i) {
@@ -155,17 +157,20 @@ Status Compressor::shareSurvey() {
     std::array<float, 3> background{};
     bool loaded = false;
     double rounding = 0;
+    bool floats = false;
   };
 
-  const Known own{inactive_, row_.background(), !row_.facts().empty(), row_.rounding()};
+  const Known own{inactive_, row_.background(), !row_.facts().empty(), row_.rounding(), floats_};
   VOLUTE_ASSIGN(const auto known, gatherValues(team_, std::span<const Known>(&own, 1)));
   inactive_ = {};
   for (const Known& one : known) {
     inactive_.add(one.inactive);
     rounding_ = std::max(rounding_, one.rounding);
+    floats_ = floats_ && one.floats;
     if (one.loaded)
       parameters_.background = one.background;
   }
+  floats_ = floats_ || (options_.floats && parameters_.offset != 0);
   if (inactive_.any && !inactive_.several)
     parameters_.inactive = inactive_.value;
   if (info_.channels == 3) {
@@ -317,7 +322,8 @@ double Compressor::roundingToHalves() const {
         parameters_.sparse && (value < parameters_.outlierLow || value > parameters_.outlierHigh);
     if (counts[bin] == 0 || value == 0 || outlier)
       continue;
-    const double spacing = std::ldexp(1.0, std::max(std::ilogb(value), kMinExponent) - kBits);
+    const double number = parameters_.offset + value;
+    const double spacing = std::ldexp(1.0, std::max(std::ilogb(number), kMinExponent) - kBits);
     squares += static_cast<double>(counts[bin]) * spacing * spacing / 12;
   }
   const double voxels = options_.target.isOverSupport()

@@ -95,8 +95,10 @@ std::optional<BlockMode> Compressor::chooseMode(const BlockContent& block,
   return encoder.choose(block, choice);
 }
 
-// Adds up the errors of a block's voxels, those of empty ones left out where they are exact.
+// Adds up the errors of a block's voxels, those of empty ones left out where they are exact. Of
+// floats each is the greater of that in doubles and that of the float that is shown.
 // @return the voxel of the greatest
+template <bool kFloats>
 std::size_t Compressor::findErrors(std::span<const float> values, std::span<const float> decoded,
                                    std::span<const VoxelState> states, const BlockShape& shape,
                                    CodingError& errors) const {
@@ -105,7 +107,14 @@ std::size_t Compressor::findErrors(std::span<const float> values, std::span<cons
   const auto errorAt = [&](std::size_t voxel, std::size_t channel) {
     const std::size_t i = voxel * channels + channel;
     const bool counts = !parameters_.sparse || states[voxel] != VoxelState::kEmpty;
-    return counts * std::abs(static_cast<double>(decoded[i]) - values[i]);
+    const double error = std::abs(static_cast<double>(decoded[i]) - values[i]);
+    if constexpr (kFloats) {
+      const double number = parameters_.offset + static_cast<double>(values[i]);
+      const auto shown = static_cast<float>(parameters_.offset + static_cast<double>(decoded[i]));
+      return counts * std::max(error, std::abs(static_cast<double>(shown) - number));
+    } else {
+      return counts * error;
+    }
   };
   std::size_t worst = 0;
   for (std::size_t frame = 0; frame * voxels < states.size(); ++frame) {
@@ -167,7 +176,9 @@ Result<EncodedBlock> Compressor::encodeBlock(std::size_t block, std::optional<Bl
   result.means = meansOf(values);
   BlockStates decodedStates;
   VOLUTE_TRY(head_.decoder->decode(result.tiers, shape.levels(), shape, decoded, &decodedStates));
-  const std::size_t worst = findErrors(values, decoded, states, shape, result.error);
+  const std::size_t worst = floats_
+                                ? findErrors<true>(values, decoded, states, shape, result.error)
+                                : findErrors<false>(values, decoded, states, shape, result.error);
   if (!std::isfinite(result.error.squared()) || (parameters_.sparse && states != decodedStates)) {
     return fail(ErrorCode::kInvalidData, "grid '{}': the input changed while it was read",
                 info_.name);

@@ -43,7 +43,7 @@ Result<Part> openPart(const std::filesystem::path& path, std::uint64_t maxMemory
   VoluteReader::Options options;
   options.maxMemory = maxMemory;
   options.grid = grid;
-  options.differences = true;
+  options.differences = Offsets::kAll;
   VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, options));
   return Part{std::move(file), std::move(head),
               std::make_shared<const VoluteReader>(std::move(reader))};
@@ -445,8 +445,8 @@ Result<JoinReport> copyBlocks(const std::vector<Part>& parts, const std::filesys
 /// @param frames  of all parts, and of more where `parts` has none
 Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& frames,
                                const std::filesystem::path& target, const JoinOptions& options,
-                               Progress& progress, bool halves = false) {
-  constexpr double kFinest = 1e-6;
+                               Progress& progress, const GridDescription* description = nullptr) {
+  constexpr double kFinest = 1e-6, kMuchWorse = 10;
   const Errors errors = errorsOf(parts);
   CompressOptions how;
   const auto support = supportOf(parts, errors.most);
@@ -461,8 +461,16 @@ Result<JoinReport> encodeAgain(const std::vector<Part>& parts, FrameSource& fram
   how.maxMemory = options.maxMemory;
   how.sourceRms = errors.rms;
   how.sourceMaxError = errors.most;
-  how.halves = halves;
+  how.halves = description && description->half;
+  how.floats = description && description->isOfFloats();
   VOLUTE_ASSIGN(const auto written, compress(frames, target, how, progress));
+  if (!options.rms && errors.most > 0 && written.maxError > kMuchWorse * errors.most) {
+    progress.remark({RemarkCode::kDoubtful,
+                     fmt::format("'{}' is encoded again, up to {:.2g} from its parts, which are "
+                                 "within {:.2g} of their originals: they lie too far apart for "
+                                 "one file; keep the parts",
+                                 frames.info().name, written.maxError, errors.most)});
+  }
   JoinReport report{frames.info(),
                     false,
                     written.relativeRms,
@@ -712,10 +720,10 @@ class GridJoin {
     const bool same = sameEverywhere(grid);
     if (same && canCopy(grid.parts) && copies_)
       return copyBlocks(grid.parts, row.file, options_.framesPerSecond, progress);
-    const bool halves = row.description && row.description->half;
+    const GridDescription* const said = row.description ? &*row.description : nullptr;
     if (same) {
       JoinedFrames frames = framesOf(grid.parts, options_.framesPerSecond);
-      return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
+      return encodeAgain(grid.parts, frames, row.file, options_, progress, said);
     }
     const VolumeInfo& first = grid.parts.front().info();
     const auto background = row.description ? row.description->background : std::array<double, 3>{};
@@ -732,7 +740,7 @@ class GridJoin {
     info.frameNumbers = frames_.frameNumbers;
     info.times = frames_.times;
     JoinedFrames frames(std::move(info), std::move(files), background);
-    return encodeAgain(grid.parts, frames, row.file, options_, progress, halves);
+    return encodeAgain(grid.parts, frames, row.file, options_, progress, said);
   }
 
   const JoinOptions& options_;

@@ -34,9 +34,16 @@ struct VoluteReader::Impl {
     }
     pages.resize(head.pages.pages.size());
     tilePages.resize(head.pages.tiles.size());
-    added = options.differences ? 0 : head.header.offset;
+    added = readsDifferences() ? 0 : head.header.offset;
     for (VoluteGrid& one : head.grids) showNumbers(one.header);
     showNumbers(head.header);
+  }
+
+  bool readsDifferences() const {
+    const auto& description = head.own().description;
+    const bool floats = description && description->isOfFloats();
+    return options.differences == Offsets::kAll ||
+           (options.differences == Offsets::kOfRounded && !floats);
   }
 
   /// The original's, not its differences'.
@@ -510,7 +517,7 @@ const VoluteHeader& VoluteReader::header() const {
 }
 
 double VoluteReader::offset() const {
-  return impl_->options.differences ? header().offset : 0;
+  return impl_->readsDifferences() ? header().offset : 0;
 }
 
 const BlockGrid& VoluteReader::blocks() const {

@@ -18,6 +18,7 @@
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/grid_description.hpp"
 #include "volute/grid/look_figures.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 
@@ -99,8 +100,9 @@ class VoluteReader {
     /// is not empty; of a file without such a grid() one that is none of its grids(), and is empty.
     std::string grid{};
     /// Values are read as differences from the grid's offset(), where it has one: float32 does not
-    /// hold their sums as well as the file does. Else they are the sums, rounded.
-    bool differences = false;
+    /// hold their sums as well as the file does. Else, and with kOfRounded those of a grid of a
+    /// cache that were float32, they are the sums, rounded.
+    Offsets differences = Offsets::kNone;
   };
 
   [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path,
@@ -113,7 +115,7 @@ class VoluteReader {
   const VolumeInfo& info() const;
   const VoluteHeader& header() const;
 
-  /// The offset to add to the values read: VoluteHeader::offset with Options::differences, else 0.
+  /// The offset to add to the values read: VoluteHeader::offset where they are differences, else 0.
   double offset() const;
 
   const BlockGrid& blocks() const;

@@ -38,7 +38,9 @@ class ArraySource final : public LayerwiseSource {
 
   double offset() const override { return offset_; }
 
-  bool takesOffset() const override { return array_.type.isRounded(); }
+  bool mayRound() const override { return array_.type.isRounded(); }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
 

@@ -70,6 +70,9 @@ struct GridDescription {
   /// From that space to the world, in each frame; empty where there are no matrices.
   std::vector<GridMatrix> places() const;
 
+  /// Whether its numbers are float32.
+  bool isOfFloats() const { return type == "float" || type == "vec3s"; }
+
   /// The same of some frames, by their positions.
   GridDescription of(const std::vector<int>& positions) const;
 

@@ -12,6 +12,13 @@ namespace {
 
 /// Of values that are not empty.
 struct Range {
+  /// Their middle is far from zero where it is more than so many times their distance from it away:
+  /// an offset gives back three bits of a float at least.
+  static constexpr double kFarOfRounded = 8;
+  /// Of floats it gives back what a transform in float32 rounds: 2e-5 of their range there, and
+  /// more the farther they are.
+  static constexpr double kFarOfFloats = 32;
+
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
 
@@ -19,6 +26,20 @@ struct Range {
     if (!std::isfinite(value))
       return;
     low = std::min<double>(low, value), high = std::max<double>(high, value);
+  }
+
+  double middle() const { return 0.5 * low + 0.5 * high; }
+
+  /// A number near the middle that parts of a sequence mostly have in common, so that they can be
+  /// joined as they are.
+  double roundNumber() const {
+    const double step = std::ldexp(1.0, std::ilogb(high - low) + 4);
+    return step * std::round(middle() / step);
+  }
+
+  /// What is near stays so with any more values.
+  bool isNear(double far) const {
+    return low <= high && !(std::abs(middle()) > far * (0.5 * high - 0.5 * low));
   }
 };
 
@@ -46,7 +67,7 @@ Status addLayers(FrameSource& source, int frame, Range& range) {
                            ? static_cast<int>(std::clamp<std::size_t>(kValues / layer, 1, info.z))
                            : info.z;
   std::vector<float> values;
-  for (int first = 0; first < info.z; first += together) {
+  for (int first = 0; first < info.z && !range.isNear(Range::kFarOfRounded); first += together) {
     const int end = std::min(info.z, first + together);
     values.resize(layer * static_cast<std::size_t>(end - first));
     VOLUTE_TRY(source.readLayers(frame, first, end, values));
@@ -70,12 +91,22 @@ double offsetOf(const FrameSource& source) {
   return rounds ? rounds->offset() : 0;
 }
 
-Status settleOffset(FrameSource& source) {
+std::string typeOfValues(const FrameSource& source) {
+  const bool vectors = source.info().channels == 3;
+  if (offsetOf(source) != 0)
+    return vectors ? "vec3d" : "double";
+  return vectors ? "vec3s" : "float";
+}
+
+Status settleOffset(FrameSource& source, Offsets which) {
   auto* rounds = dynamic_cast<RoundingSource*>(&source);
-  if (!rounds || !rounds->takesOffset() || rounds->offset() != 0)
+  if (which == Offsets::kNone || !rounds || !rounds->takesOffset() || rounds->offset() != 0 ||
+      (which == Offsets::kOfRounded && !rounds->mayRound()))
     return {};
   Range range;
   for (int frame = 0; frame < source.info().frames; ++frame) {
+    if (range.isNear(Range::kFarOfRounded))
+      return {};
     if (!source.hasTopology()) {
       VOLUTE_TRY(addLayers(source, frame, range));
       continue;
@@ -84,12 +115,12 @@ Status settleOffset(FrameSource& source) {
     VOLUTE_TRY(source.readBricks(frame, bricks));
     addBricks(bricks, range);
   }
-  // Bits of a float that the offset gives back: three at least.
-  constexpr double kFar = 8;
-  const double middle = 0.5 * range.low + 0.5 * range.high;
-  if (rounds->rounding() == 0 || !(std::abs(middle) > kFar * (0.5 * range.high - 0.5 * range.low)))
+  const bool floats = rounds->rounding() == 0;
+  // Floats that are all the same need nothing.
+  if (!(range.low <= range.high) || (floats && (which != Offsets::kAll || range.low == range.high)))
     return {};
-  rounds->takeOffset(static_cast<float>(middle));
+  if (!range.isNear(floats ? Range::kFarOfFloats : Range::kFarOfRounded))
+    rounds->takeOffset(static_cast<float>(floats ? range.roundNumber() : range.middle()));
   return {};
 }
 

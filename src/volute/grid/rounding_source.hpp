@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <string>
+
 #include "volute/grid/frame_source.hpp"
 
 namespace volute {
@@ -16,7 +18,10 @@ class RoundingSource : public FrameSource {
   /// What a value is less than its number: values far from zero are read as differences from it.
   virtual double offset() const { return 0; }
 
-  /// Whether its numbers may be none that a float is, and offsets can be taken off them.
+  /// Whether its numbers may be none that a float is.
+  virtual bool mayRound() const { return false; }
+
+  /// Whether offsets can be taken off its numbers.
   virtual bool takesOffset() const { return false; }
 
   /// From now on values are differences from `offset`, which is a float.
@@ -42,10 +47,20 @@ double roundingOf(const FrameSource& source);
 /// RoundingSource::offset() of any source; 0 where it is none.
 double offsetOf(const FrameSource& source);
 
-/// Reads all of a source whose numbers may be rounded, and gives it the offset from which its
-/// values, but for those that are 0 or not finite, are far less away than from zero: in the middle
-/// of them. None where that gains nothing.
-[[nodiscard]] Status settleOffset(FrameSource& source);
+/// What holds the values of any source, as OpenVDB calls it: doubles where there is an offset.
+std::string typeOfValues(const FrameSource& source);
+
+/// Which numbers far from zero are read as differences from an offset.
+enum class Offsets {
+  kNone,
+  kOfRounded,  ///< those of which floats are others
+  kAll,        ///< floats, too: a transform in float32 rounds them by more than they differ
+};
+
+/// Gives a source the offset from which its values, but for those that are 0 or not finite, are far
+/// less away than from zero: in the middle of them. None where that gains nothing. Reads the source
+/// up to the values that tell it.
+[[nodiscard]] Status settleOffset(FrameSource& source, Offsets which = Offsets::kAll);
 
 /// `by` more in all that a frame holds, its background too.
 Bricks raised(const Bricks& frame, double by);

@@ -150,7 +150,9 @@ class ArrayFileSource final : public LayerwiseSource {
 
   double offset() const override { return request_.offset; }
 
-  bool takesOffset() const override { return facts_.rounded; }
+  bool mayRound() const override { return facts_.rounded; }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { request_.offset = offset, rounding_ = 0; }
 

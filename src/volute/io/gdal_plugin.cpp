@@ -307,6 +307,8 @@ class GdalReader final : public ArrayReader {
           if (isMissing(number)) {
             note(number, facts);
             number = std::numeric_limits<float>::quiet_NaN();
+          } else if (offset != 0) {
+            number = static_cast<float>(number - offset);
           }
         }
         continue;

@@ -182,8 +182,7 @@ VolumeInfo GridCache::frames() const {
 Result<std::unique_ptr<FrameSource>> GridCache::source(std::size_t grid) const {
   VOLUTE_ASSERT(grid < grids_.size() && !grids_[grid].empty && grids_[grid].problem.empty());
   VOLUTE_ASSIGN(auto source, openLatticeSource(files_, loadVdbPlugin, options_, known_[grid]));
-  if (options_.mayOffset)
-    VOLUTE_TRY(settleOffset(*source));
+  VOLUTE_TRY(settleOffset(*source, options_.offsets));
   return source;
 }
 

@@ -507,7 +507,9 @@ class LatticeSource final : public LayerwiseSource,
 
   double offset() const override { return offset_; }
 
-  bool takesOffset() const override { return rounded_; }
+  bool mayRound() const override { return rounded_; }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
 

@@ -97,7 +97,9 @@ class NpySource final : public LayerwiseSource {
 
   double offset() const override { return file_.offset(); }
 
-  bool takesOffset() const override { return header_.type.isRounded(); }
+  bool mayRound() const override { return header_.type.isRounded(); }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { file_.takeOffset(offset); }
 
@@ -140,7 +142,9 @@ class FortranNpySource final : public RoundingSource {
 
   double offset() const override { return file_.offset(); }
 
-  bool takesOffset() const override { return header_.type.isRounded(); }
+  bool mayRound() const override { return header_.type.isRounded(); }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { file_.takeOffset(offset), first_ = -1; }
 
@@ -244,7 +248,9 @@ class NpySequence final : public LayerwiseSource {
 
   double offset() const override { return offset_; }
 
-  bool takesOffset() const override { return rounded_; }
+  bool mayRound() const override { return rounded_; }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override { offset_ = offset, rounding_ = 0; }
 
@@ -319,7 +325,7 @@ Result<std::unique_ptr<FrameSource>> openNpySequence(const std::vector<NumberedF
   for (const NumberedFile& file : files) {
     VOLUTE_ASSIGN(const auto one, openNpy(file.path, options));
     VOLUTE_TRY(NpySequence::checkSame(one->info(), info, file.path, files.front().path));
-    rounded = rounded || dynamic_cast<const RoundingSource&>(*one).takesOffset();
+    rounded = rounded || dynamic_cast<const RoundingSource&>(*one).mayRound();
   }
   return std::make_unique<NpySequence>(files, options, info, rounded);
 }

@@ -19,7 +19,7 @@ Status NumberFile::read(std::uint64_t offset, std::span<std::byte> bytes) const 
 }
 
 Status NumberFile::read(const NumberType& type, std::uint64_t offset, std::span<float> values) {
-  if (type.isFloat())
+  if (type.isFloat() && offset_ == 0)
     return read(offset, std::as_writable_bytes(values));
   constexpr std::size_t kPiece = std::size_t{1} << 18;  // values
   const std::size_t size = type.size();

@@ -106,7 +106,9 @@ class RawSource final : public LayerwiseSource {
 
   double offset() const override { return offset_; }
 
-  bool takesOffset() const override { return numbersOf(layout_).isRounded(); }
+  bool mayRound() const override { return numbersOf(layout_).isRounded(); }
+
+  bool takesOffset() const override { return true; }
 
   void takeOffset(double offset) override {
     offset_ = offset, rounding_ = 0;

@@ -178,8 +178,7 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
 Result<std::unique_ptr<FrameSource>> openSource(const std::filesystem::path& input,
                                                 const SourceOptions& options) {
   VOLUTE_ASSIGN(auto source, openAny(input, options));
-  if (options.mayOffset)
-    VOLUTE_TRY(settleOffset(*source));
+  VOLUTE_TRY(settleOffset(*source, options.offsets));
   return source;
 }
 

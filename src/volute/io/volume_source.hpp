@@ -14,6 +14,7 @@
 #include "volute/base/result.hpp"
 #include "volute/grid/frame_source.hpp"
 #include "volute/grid/frustum_sampling.hpp"
+#include "volute/grid/rounding_source.hpp"
 
 namespace volute {
 
@@ -37,9 +38,9 @@ struct SourceOptions {
   bool byLayers = false;              ///< a frame may take more: the caller reads it by layers
   std::optional<RawLayout> raw{};     ///< layout of files without a header
   std::string usualGrid = "density";  ///< default grid of several
-  std::optional<FrustumSampling> frusta{};  ///< how they are read; else they are refused
-  bool upStated = false;                    ///< whatever files say of their up axes
-  bool mayOffset = false;  ///< values far from zero are read as differences: offsetOf() the source
+  std::optional<FrustumSampling> frusta{};      ///< how they are read; else they are refused
+  bool upStated = false;                        ///< whatever files say of their up axes
+  Offsets offsets = Offsets::kNone;             ///< what is read so: offsetOf() the source
   std::function<void(const Remark&)> remark{};  ///< receives remarks on chosen and ignored grids
 };
 

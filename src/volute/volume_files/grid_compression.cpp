@@ -141,6 +141,7 @@ Status GridFiles::compressOne(std::size_t i, const ErrorTarget& target) {
   VOLUTE_ASSIGN(const OwnError own, grids_.ownError(chosen_[i]));
   options.sourceRms = own.rms, options.sourceMaxError = own.maximum;
   options.halves = grid.description && grid.description->half;
+  options.floats = grid.description && grid.description->isOfFloats();
   if (!options.work.empty())
     options.work /= fmt::format("{:03}", i);
   options.name = target_;  // errors do not name a grid's own, temporary file
@@ -278,6 +279,16 @@ bool wantsDescription(const VolumeGrid& grid, bool cropped) {
          !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
 }
 
+/// Whether it is read with an offset: floats come back as such where a description says that they
+/// were.
+Result<bool> isFarFromZero(const VolumeGrids& grids, std::size_t i) {
+  const VolumeGrid& grid = grids.grids()[i];
+  if (grid.empty || !grid.description)
+    return false;
+  VOLUTE_ASSIGN(const auto source, grids.source(i));
+  return offsetOf(*source) != 0;
+}
+
 /// The one grid of files that are no cache, whose voxels do not lie along the axes or move.
 class PlacedGrid final : public VolumeGrids {
  public:
@@ -288,7 +299,7 @@ class PlacedGrid final : public VolumeGrids {
     const VolumeInfo& info = input.source->info();
     const Vec3 voxel = info.voxelSize(), origin = info.bounds.min + 0.5 * voxel;
     GridDescription grid;
-    grid.type = info.channels == 3 ? "vec3s" : "float";
+    grid.type = typeOfValues(*input.source);
     grid.map = "AffineMap";
     grid.voxelSize = {voxel.x(), voxel.y(), voxel.z()};
     grid.origin = {origin.x(), origin.y(), origin.z()};
@@ -450,10 +461,15 @@ Result<std::optional<Report>> compressCache(const std::string& path, const std::
     return fail(ErrorCode::kUnsupported, wayOut, "{}: no grid can be compressed: {}", path,
                 fmt::join(asBytes, ", "));
   }
-  if (named.empty() || (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
-                        grids->fileMetadata().lists.empty() &&
-                        !wantsDescription(all[chosen[0]], input.bounds.has_value())))
+  if (named.empty())
     return std::nullopt;
+  if (chosen.size() == 1 && (all.size() == 1 || one) && how.rms.empty() &&
+      grids->fileMetadata().lists.empty() &&
+      !wantsDescription(all[chosen[0]], input.bounds.has_value())) {
+    VOLUTE_ASSIGN(const bool far, isFarFromZero(*grids, chosen[0]));
+    if (!far)
+      return std::nullopt;
+  }
   if (input.bounds && chosen.size() + kept.size() > 1) {
     return failFor("bounds", ErrorCode::kInvalidArgument, Hint::choose("field"),
                    "is for one grid, and {} has {}", path, chosen.size() + kept.size());

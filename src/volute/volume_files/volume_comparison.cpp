@@ -448,7 +448,7 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
                                         const ComparisonRequest& request, Reading& reading) {
   InputOptions options;
   options.partial = request.partial;
-  options.mayOffset = true;
+  options.offsets = Offsets::kOfRounded;
   options.bounds = request.bounds;
   options.stated.framesPerSecond = request.framesPerSecond;
   if (VolumeGrids::mayBe(a) && VolumeGrids::mayBe(b) && !options.bounds) {

@@ -71,6 +71,11 @@ GridDescription descriptionOf(const VoluteGrid& grid, const Extraction& extracti
   return one;
 }
 
+/// Means of a coarser level are floats.
+Offsets offsetsAt(int level) {
+  return level == 0 ? Offsets::kOfRounded : Offsets::kNone;
+}
+
 /// Some frames of a volume.
 /// @param rate  of all of its frames, instead of its own times
 VolumeInfo framesAt(VolumeInfo info, const std::vector<int>& positions,
@@ -171,7 +176,7 @@ Result<ExtractedGrids> openGrids(const std::string& path, const std::vector<std:
       continue;
     }
     VOLUTE_ASSIGN(auto reader,
-                  openVolute(path, partial, reading, true, name, extraction.level == 0));
+                  openVolute(path, partial, reading, true, name, offsetsAt(extraction.level)));
     target.offset = reader->offset();
     if (target.offset != 0)
       target.description.type = grid->info.channels == 3 ? "vec3d" : "double";
@@ -359,8 +364,8 @@ Status checkBricks(std::span<const std::shared_ptr<const VoluteReader>> readers,
 }
 
 Status Extractor::one(const std::string& grid, const std::string& target) {
-  VOLUTE_ASSIGN(auto reader,
-                openVolute(path_, request_.partial, reading_, true, grid, request_.level == 0));
+  VOLUTE_ASSIGN(auto reader, openVolute(path_, request_.partial, reading_, true, grid,
+                                        offsetsAt(request_.level)));
   VOLUTE_ASSIGN(auto extraction, extractionOf(reader->info()));
   const std::vector<int> positions = extraction.positions;
   if (const auto& description = reader->grid().description;

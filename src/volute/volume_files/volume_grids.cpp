@@ -106,7 +106,7 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   if (isVolutePath(path)) {
     VOLUTE_ASSIGN(const auto reader, openVolute(path, options.partial, reading, options.verify));
     return std::make_unique<VoluteGrids>(
-        path, VoluteReader::Options{options.partial, reading.maxMemory, {}, options.mayOffset},
+        path, VoluteReader::Options{options.partial, reading.maxMemory, {}, options.offsets},
         reader);
   }
   SourceOptions source;
@@ -114,7 +114,7 @@ Result<std::unique_ptr<VolumeGrids>> VolumeGrids::open(const std::string& path,
   source.maxMemory = reading.maxMemory;
   source.byLayers = options.byLayers;
   source.upStated = options.stated.up != 0;
-  source.mayOffset = options.mayOffset;
+  source.offsets = options.offsets;
   // A grid may be read several times.
   source.remark = [&progress = reading.progress,
                    said = std::make_shared<std::set<std::string>>()](const Remark& remark) {

@@ -62,7 +62,8 @@ std::string integrityText(const Integrity& integrity, const VoluteReader& reader
 
 Result<std::shared_ptr<const VoluteReader>> openVolute(const std::string& path, bool partial,
                                                        Reading& reading, bool verify,
-                                                       const std::string& grid, bool differences) {
+                                                       const std::string& grid,
+                                                       Offsets differences) {
   if (namesSeriesOfFiles(path)) {
     return fail(ErrorCode::kUnsupported,
                 "{}: a pattern of .volute files; expected one, which holds all frames: parts of a "
@@ -93,7 +94,7 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
                                                      const InputOptions& options,
                                                      Reading& reading) {
   VOLUTE_ASSIGN(auto reader, openVolute(path, options.partial, reading, options.verify,
-                                        options.grid, options.mayOffset));
+                                        options.grid, options.offsets));
   const auto& grids = reader->grids();
   if (reader->grid().empty) {
     std::string empty, kept;
@@ -113,7 +114,7 @@ Result<std::shared_ptr<const VoluteReader>> openGrid(const std::string& path,
   });
   if (usual != grids.end() && reader->info().name != options.usualGrid) {
     VOLUTE_ASSIGN(reader, openVolute(path, options.partial, reading, options.verify,
-                                     options.usualGrid, options.mayOffset));
+                                     options.usualGrid, options.offsets));
   }
   std::string others;
   for (const VoluteGrid& grid : reader->grids()) {
@@ -185,7 +186,7 @@ Result<VolumeInput> openAsStated(const std::string& path, const InputOptions& op
   source.upStated = options.stated.up != 0;
   source.raw = options.raw;
   source.frusta = options.frusta;
-  source.mayOffset = options.mayOffset;
+  source.offsets = options.offsets;
   source.remark = [&](const Remark& remark) { reading.progress.remark(remark); };
   VOLUTE_ASSIGN(input.source, openSource(path, source));
   if (const auto* placed = dynamic_cast<const PlacedFrames*>(input.source.get()))

@@ -31,7 +31,7 @@ struct InputOptions {
   StatedInfo stated{};
   std::optional<FrustumSampling> frusta{};  ///< SourceOptions::frusta
   NotFinite notFinite = NotFinite::kKeep;
-  bool mayOffset = false;  ///< values far from zero are read as differences: offsetOf() the source
+  Offsets offsets = Offsets::kNone;  ///< what is read so: offsetOf() the source
 };
 
 /// An open volume of any format.
@@ -61,7 +61,7 @@ struct VolumeInput {
                                                                      bool partial, Reading& reading,
                                                                      bool verify = true,
                                                                      const std::string& grid = {},
-                                                                     bool differences = false);
+                                                                     Offsets differences = {});
 
 /// "complete", or what is wrong and how much is there.
 std::string integrityText(const Integrity& integrity, const VoluteReader& reader);

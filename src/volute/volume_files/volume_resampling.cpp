@@ -122,9 +122,8 @@ bool isAlongAxes(const GridMatrix& matrix) {
 /// What files say of a grid on its new voxels.
 GridDescription describe(const OldGrid& old, const Lattice& lattice) {
   const VolumeInfo& info = old.source->info();
-  GridDescription made = old.description.value_or(
-      GridDescription{.type = info.channels == 3 ? "vec3s" : "float",
-                      .gridClass = info.levelSet ? "level set" : "fog volume"});
+  GridDescription made = old.description.value_or(GridDescription{
+      .type = typeOfValues(*old.source), .gridClass = info.levelSet ? "level set" : "fog volume"});
   if (!old.description) {
     const MetadataList none;
     for (int frame = 0; frame < info.frames; ++frame) made.metadata.add(&none);
@@ -242,6 +241,8 @@ Result<OldGrid> Resampler::open(const std::string& name, const VolumeGrid* grid)
   input.grid = name;
   input.verify = grid == nullptr;
   input.notFinite = NotFinite::kRefuse;
+  // What is not compressed stays float32 where it is.
+  input.offsets = isVolutePath(target_) ? Offsets::kAll : Offsets::kOfRounded;
   // What is sampled from a frustum needs no resampling any more where its lattice is known.
   FrustumSampling frusta{{}, request_.basis};
   if (stated_)

@@ -35,6 +35,8 @@ class BorrowedSource final : public RoundingSource {
 
   double rounding() const override { return roundingOf(source_); }
 
+  double offset() const override { return offsetOf(source_); }
+
   Status readBricks(int index, int first, int end, Bricks& bricks) override {
     VOLUTE_TRY(source_.readBricks(index, first, end, bricks));
     if (description_ && first == 0 && end == info().z) {
@@ -241,14 +243,17 @@ Result<VolumeWriter> VolumeWriter::open(std::vector<WrittenGrid> grids, std::str
   std::vector<GridTarget> targets;
   for (const WrittenGrid& grid : writer.grids_) {
     const VolumeInfo& info = grid.frames->info();
+    const double offset = offsetOf(*grid.frames);
     if (cache) {
-      targets.push_back(
-          {info, grid.description.value_or(GridDescription{
-                     .type = info.channels == 3 ? "vec3s" : "float", .gridClass = "fog volume"})});
+      GridDescription description =
+          grid.description.value_or(GridDescription{.gridClass = "fog volume"});
+      if (!grid.description || offset != 0)
+        description.type = typeOfValues(*grid.frames);
+      targets.push_back({.info = info, .description = std::move(description), .offset = offset});
       continue;
     }
     const std::string own = each ? nameOfGrid(writer.target_, info.name) : writer.target_;
-    VOLUTE_ASSIGN(auto sink, createSink(own, info, {.orVolute = true}));
+    VOLUTE_ASSIGN(auto sink, createSink(own, info, {.offset = offset, .orVolute = true}));
     writer.sinks_.push_back(std::move(sink));
   }
   if (cache) {

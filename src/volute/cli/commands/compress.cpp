@@ -79,7 +79,7 @@ Status runCompress(const Arguments& arguments, Context& context) {
   input.bounds = arguments.find<Box3>("bounds");
   input.partial = arguments.flag("partial");
   input.byLayers = true;
-  input.mayOffset = true;
+  input.offsets = Offsets::kAll;
   VOLUTE_ASSIGN(input.raw, rawLayout(arguments));
   GridCompression how;
   how.frames = arguments.find<FrameRange>("frames").value_or(FrameRange{});
