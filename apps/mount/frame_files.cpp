@@ -89,7 +89,8 @@ Result<std::unique_ptr<FrameFiles>> FrameFiles::open(const std::string& path,
       FramePattern::parse(stem + "_" + numberField(files->whole_->header().provenance) + ".vdb"));
   for (const auto& name : framePaths(pattern, files->info(), files->fileMetadata_))
     files->names_.push_back(name.string());
-  files->writer_ = plugin->makeWriter({});
+  files->writer_ =
+      plugin->makeWriter({.offset = files->plain_ ? files->volumes_.front().offset : 0});
   files->sizes_.resize(files->names_.size());
   return files;
 }
@@ -114,11 +115,15 @@ Status FrameFiles::openGrids(const std::string& path, const std::optional<double
       continue;
     // Each grid keeps the row of frames that was decoded last.
     const std::uint64_t room = maxMemory_ / 2 / whole.grids().size();
-    VOLUTE_ASSIGN(auto reader,
-                  VoluteReader::open(path, {.maxMemory = room, .grid = grid.info.name}));
+    VOLUTE_ASSIGN(auto reader, VoluteReader::open(path, {.maxMemory = room,
+                                                         .grid = grid.info.name,
+                                                         .differences = Offsets::kOfRounded}));
     const auto shared = std::make_shared<const VoluteReader>(std::move(reader));
     volume.source = withLevelSet(*shared, frameSource(shared));
     volume.info = volume.source->info();
+    volume.offset = shared->offset();
+    if (volume.offset != 0)
+      volume.description.type = grid.info.channels == 3 ? "vec3d" : "double";
     frameBytes += volume.source->brickBytes();
   }
   for (Volume& volume : volumes_) volume.info.times = frames_.times;
@@ -213,7 +218,8 @@ Status FrameFiles::writeFrame(const std::string& file, std::size_t frame) {
     // A cache that has a list of metadata for some frames lacks the grid in the others.
     const FrameMetadata& metadata = volume.description.metadata;
     if (metadata.listOf.empty() || metadata.at(position))
-      grids.push_back({&volume.info, &volume.description, position, &volume.bricks});
+      grids.push_back(
+          {&volume.info, &volume.description, position, &volume.bricks, nullptr, volume.offset});
   }
   addKept([&](std::size_t place) { return place >= volumes_.size(); });
   return writer_->writeGrids(file, names_[frame], grids, fileMetadata_.at(position));

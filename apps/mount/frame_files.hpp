@@ -79,7 +79,8 @@ class FrameFiles {
     std::unique_ptr<FrameSource> source;  ///< null: it is empty
     VolumeInfo info;
     GridDescription description;
-    Bricks bricks;  ///< a frame
+    double offset = 0;  ///< values are differences from it
+    Bricks bricks;      ///< a frame
   };
 
   explicit FrameFiles(std::uint64_t maxMemory) : maxMemory_(maxMemory) {}

@@ -127,6 +127,16 @@ class Mount(support.TestCase):
         for name, data in expected.items():
             self.assertEqual((folder / name).read_bytes(), data, name)
 
+    def test_doubles_far_from_zero_stay_doubles(self):
+        shape, values = support.plume(2, 9)
+        support.write_npy(self.path("in.npy"), shape, [1e6 + value for value in values], code="d")
+        file = self.path("far.volute")
+        self.works("compress", self.path("in.npy"), "-o", file, "--max-error", "1e-3")
+        _, folder = self.mount(file)
+        for name, data in self.extracted(file).items():
+            self.assertEqual((folder / name).read_bytes(), data, name)
+        self.assertEqual([one["type"] for one in self.works("info", folder / "far_0000.vdb", "--json").json["grids"]], ["double"])
+
     def test_two_readers_at_once_and_little_memory(self):
         file = self.make_volute(frames=20, size=24)
         expected = self.extracted(file)
