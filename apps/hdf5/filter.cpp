@@ -102,6 +102,15 @@ class ChunkFolder {
   std::string name_;
 };
 
+/// The maximum error before integers are rounded to such again, which adds up to half of one.
+double withinWhole(const Settings& settings) {
+  using enum NumberKind;
+  constexpr double kHalf = 0.499;
+  const bool whole = settings.type.kind != kFloat32 && settings.type.kind != kFloat64;
+  const double most = settings.maxError;
+  return whole ? std::min(most, std::floor(most) + kHalf) : most;
+}
+
 Result<std::vector<char>> encoded(const Settings& settings, const void* numbers,
                                   std::size_t bytes) {
   const VolumeInfo info = settings.info();
@@ -110,9 +119,10 @@ Result<std::vector<char>> encoded(const Settings& settings, const void* numbers,
                 info.values() * settings.type.size());
   ArraySource source(info, {static_cast<const std::byte*>(numbers), settings.type,
                             denseStrides(info, settings.type)});
+  VOLUTE_TRY(settleOffset(source));
   CompressOptions options;
   if (settings.maxError > 0)
-    options.target = {ErrorTarget::Kind::kMaxError, settings.maxError};
+    options.target = {ErrorTarget::Kind::kMaxError, withinWhole(settings)};
   const ChunkFolder folder;
   VOLUTE_ASSIGN(const auto file, folder.file());
   Progress quiet;
@@ -171,7 +181,7 @@ Status decodeTo(char* to, const Settings& settings, const void* chunk, std::size
   VOLUTE_ASSIGN(const auto file, folder.file());
   std::ofstream(file, std::ios::binary)
       .write(static_cast<const char*>(chunk), static_cast<std::streamsize>(bytes));
-  VOLUTE_ASSIGN(auto opened, VoluteReader::open(file));
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(file, {.differences = Offsets::kAll}));
   const auto reader = std::make_shared<const VoluteReader>(std::move(opened));
   const VolumeInfo& info = reader->info();
   if (!putter || info.frames != expected.frames || info.z != expected.z || info.y != expected.y ||

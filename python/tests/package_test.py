@@ -1359,7 +1359,7 @@ print("done", flush=True)
         except ImportError:
             self.skipTest("no numcodecs")
         codec = volute.numcodecs.Volute(max_error=1e-2)
-        for kind in ("f4", "f8", "i2", "u1", ">f4"):
+        for kind in ("f2", "f4", "f8", "i2", "u1", ">f4"):
             for shape in ((16, 20, 20, 20), (20, 20, 20), (50,), (2, 3, 8, 8, 8)):
                 for order in "CF":
                     array = np.asarray(np.random.default_rng(0).random(shape) * 100, kind, order)

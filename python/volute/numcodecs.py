@@ -28,6 +28,16 @@ class Volute(Codec):
     def __init__(self, max_error=None, rms=None, quality=None, effort=5):
         self.max_error, self.rms, self.quality, self.effort = max_error, rms, quality, effort
 
+    def _before_rounding(self, values):
+        """The maximum error before values are rounded to the array's type again, which adds up to half of what is between two numbers."""
+        most = self.max_error
+        if most and values.dtype.kind in "iub":
+            return min(most, np.floor(most) + 0.499)
+        if most and values.dtype == np.float16:
+            apart = float(np.spacing(np.abs(values[np.isfinite(values)]).max(initial=np.float16(0))))
+            return max(most / 2, most - apart / 2)
+        return most
+
     def encode(self, buf):
         values = np.asanyarray(buf)
         if values.dtype.kind == "V" or values.ndim == 0:
@@ -35,7 +45,7 @@ class Volute(Codec):
         sides = (1,) * max(0, 4 - values.ndim) + values.shape
         frames = values.reshape((-1,) + sides[-3:])
         said = json.dumps({"shape": values.shape, "dtype": values.dtype.str, "order": "C" if values.flags.c_contiguous else "F"})
-        return volute.to_bytes(frames, max_error=self.max_error, rms=self.rms, quality=self.quality, effort=self.effort, provenance=said)
+        return volute.to_bytes(frames, max_error=self._before_rounding(values), rms=self.rms, quality=self.quality, effort=self.effort, provenance=said)
 
     def decode(self, buf, out=None):
         with volute.open(bytes(ensure_contiguous_ndarray(buf))) as opened:
