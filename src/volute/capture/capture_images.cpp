@@ -167,12 +167,12 @@ Status CaptureImages::checkSize(std::size_t camera, const Image& image,
 namespace {
 
 /// (height, width), bit c: channel c reads `saturation` or more.
-std::vector<std::uint8_t> saturatedIn(const Image& image, double saturation) {
+std::vector<std::uint8_t> saturatedIn(const Image& image, const std::array<double, 3>& saturation) {
   const auto channels = static_cast<std::size_t>(image.channels);
   std::vector<std::uint8_t> atLeast(image.pixels.size() / channels);
   for (std::size_t i = 0; i < atLeast.size(); ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      if (image.pixels[channels * i + (channels == 3 ? c : 0)] >= saturation - 1e-6)
+      if (image.pixels[channels * i + (channels == 3 ? c : 0)] >= saturation[c] - 1e-6)
         atLeast[i] |= static_cast<std::uint8_t>(1U << c);
     }
   }
@@ -226,10 +226,12 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
     VOLUTE_ASSIGN(stored.response, Response::table(std::move(*read->curve)));
   }
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  stored.saturation = pictures.saturation.value_or(stored.linear ? kNever : 1);
+  stored.saturation.fill(pictures.saturation.value_or(stored.linear ? kNever : 1));
   stored.mosaic = isMosaic(stored.image);
-  if (stored.linear)
+  if (stored.linear) {
+    findIntegers(camera, stored);
     return stored;
+  }
   // NOLINTNEXTLINE(bugprone-unchecked-optional-access): as above
   stored.largest = read->largest;
   VOLUTE_TRY(scaleBits(stored.image, pictures.bits, stored.largest, name));
@@ -242,11 +244,27 @@ Result<CaptureImages::Stored> CaptureImages::readFile(std::size_t camera,
     stored.plateau->saturated = capture_->measured == Measured::kEmission ||
                                 bitsOf(stored.plateau->value, stored.largest).has_value();
     if (stored.plateau->saturated)
-      stored.saturation = stored.plateau->value;
+      stored.saturation.fill(stored.plateau->value);
+  }
+  if (!pictures.saturation && pictures.bits == 0 && capture_->measured == Measured::kEmission) {
+    stored.channelLimits = channelLimits(stored.image, stored.saturation[0]);
+    stored.saturation = stored.channelLimits.value_or(stored.saturation);
   }
   subtractBlack(stored.image, pictures.black);
-  stored.saturation = (stored.saturation - pictures.black) / (1 - pictures.black);
+  for (double& limit : stored.saturation) limit = (limit - pictures.black) / (1 - pictures.black);
   return stored;
+}
+
+/// Floats that are no light yet. Those of absorption are compared with a background of their kind.
+void CaptureImages::findIntegers(std::size_t camera, Stored& stored) const {
+  constexpr double kNearlyOne = 0.1;  // less is stated where counts are known
+  const PictureSource& pictures = capture_->cameras[camera].pictures;
+  if (capture_->measured != Measured::kEmission)
+    return;
+  if (capture_->white * pictures.lightGain() > kNearlyOne)
+    stored.counts = countsOf(stored.image);
+  const bool encoded = pictures.response && pictures.response->kind() != Response::Kind::kLinear;
+  stored.dividedIntegers = encoded && areDividedIntegers(stored.image);
 }
 
 Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int number, int frame) {
@@ -285,9 +303,9 @@ Result<CaptureImages::Stored> CaptureImages::readStored(std::size_t camera, int 
   for (float& value : stored.image.pixels) value = static_cast<float>(srgbEncode(value));
   stored.response = pictures.response.value_or(Response::srgb());
   constexpr double kFilmWhite = 250.0 / 255;  // lossy coding scatters saturated values
-  stored.saturation = pictures.saturation.value_or(kFilmWhite);
   subtractBlack(stored.image, pictures.black);
-  stored.saturation = (stored.saturation - pictures.black) / (1 - pictures.black);
+  stored.saturation.fill((pictures.saturation.value_or(kFilmWhite) - pictures.black) /
+                         (1 - pictures.black));
   return stored;
 }
 
@@ -452,7 +470,10 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.bitsHolding,
             stored.largest,
             stored.linear ? std::nullopt : std::optional(stored.response),
-            stored.there};
+            stored.there,
+            stored.channelLimits,
+            stored.counts,
+            stored.dividedIntegers};
   seen.atLeast = saturatedIn(stored.image, stored.saturation);
   return seen;
 }
@@ -488,6 +509,8 @@ Result<CaptureImages::Seen> CaptureImages::readAt(std::size_t camera, int frame)
   seen.transparentShare = std::max(seen.transparentShare, next.transparentShare);
   if (!seen.plateau)
     seen.plateau = next.plateau;
+  if (!seen.channelLimits)
+    seen.channelLimits = next.channelLimits;
   seen.bitsHolding = std::max(seen.bitsHolding, next.bitsHolding);
   return seen;
 }
@@ -503,6 +526,9 @@ Result<CameraPicture> CaptureImages::read(std::size_t camera, int frame) {
   picture.plateau = seen.plateau;
   picture.bitsHolding = seen.bitsHolding;
   picture.largest = seen.largest;
+  picture.channelLimits = seen.channelLimits;
+  picture.counts = seen.counts;
+  picture.dividedIntegers = seen.dividedIntegers;
   picture.transparentMask = transparentMasks_[camera];
   const std::size_t pixels = seen.atLeast.size();
   picture.weight.assign(pixels, 1);

@@ -42,6 +42,10 @@ struct CameraPicture {
   /// What all pixels beside the volume show, as a stored value: a black level, which was
   /// subtracted; 0: nothing.
   double storedPedestal = 0;
+  /// Where each channel stops counting, see channelLimits(); nothing: all at one value.
+  std::optional<std::array<double, 3>> channelLimits{};
+  double counts = 0;             ///< the largest of floats that are whole numbers; 0: they are not
+  bool dividedIntegers = false;  ///< floats as encoded integers divided, see areDividedIntegers()
 };
 
 /// Reads the pictures of a capture: makes them linear, applies gain and white, subtracts the
@@ -66,7 +70,7 @@ class CaptureImages {
   /// A picture as it is stored, 1 = white, before anything is made of it.
   struct Stored {
     Image image;
-    double saturation = 0;                 // a channel that reads this or more is saturated
+    std::array<double, 3> saturation{};    // a channel that reads this or more is saturated
     bool linear = false;                   // floats
     Response response = Response::srgb();  // of others
     double transparentShare = 0;
@@ -75,6 +79,9 @@ class CaptureImages {
     double largest = 65535;  // the integer that is 1
     bool mosaic = false;
     std::vector<std::uint8_t> there{};  // of each pixel; 0: the file holds nothing; empty: all
+    std::optional<std::array<double, 3>> channelLimits{};
+    double counts = 0;
+    bool dividedIntegers = false;
   };
 
   CaptureImages(const Capture& capture, std::uint64_t maxMemory)
@@ -93,6 +100,9 @@ class CaptureImages {
     double largest = 65535;
     std::optional<Response> response;   // by which it became light; none: floats
     std::vector<std::uint8_t> there{};  // see Stored
+    std::optional<std::array<double, 3>> channelLimits{};
+    double counts = 0;
+    bool dividedIntegers = false;
   };
 
   // `number` is the picture's, `frame` that which it is for: messages name it.
@@ -103,6 +113,7 @@ class CaptureImages {
   [[nodiscard]] Result<Stored> readStored(std::size_t camera, int number, int frame);
   [[nodiscard]] Result<Stored> readFile(std::size_t camera, const std::filesystem::path& path,
                                         const std::string& name, int page = 0) const;
+  void findIntegers(std::size_t camera, Stored& stored) const;
   [[nodiscard]] Status checkSize(std::size_t camera, const Image& image,
                                  const std::string& name) const;
   void subtractBackground(std::size_t camera, CameraPicture& picture) const;

@@ -20,7 +20,95 @@ bool isOfBytes(const Image& image, double largest) {
          });
 }
 
+/// The pixels of a channel that read its largest value, where that is a limit.
+std::vector<char> fullOf(const Image& image, std::size_t channel, float largest) {
+  constexpr std::size_t kFewest = 12, kTimes = 8, kFewestValues = 8;
+  constexpr double kShare = 0.01, kLit = 0.05;
+  const std::size_t pixels = image.pixels.size() / 3;
+  std::vector<char> is(pixels);
+  std::vector<char> read(kLargest + 1);
+  std::size_t lit = 0, full = 0, others = 0;
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const float value = image.pixels[3 * i + channel];
+    lit += value > kLit * largest ? 1 : 0;
+    is[i] = value == largest ? 1 : 0;
+    full += is[i] != 0 ? 1 : 0;
+    if (value < largest && value > 0.5F * largest) {
+      ++others;
+      read[static_cast<std::size_t>(std::lround(value / largest * kLargest))] = 1;
+    }
+  }
+  const auto values = static_cast<std::size_t>(std::ranges::count(read, 1));
+  if (values < kFewestValues || full < kFewest || full * values < kTimes * others ||
+      static_cast<double>(full) < kShare * static_cast<double>(lit))
+    return {};
+  return is;
+}
+
+/// Whether all lit values are whole steps, but for rounding; of a dozen lit ones at least.
+bool areSteps(const Image& floats, double step, double tolerance) {
+  constexpr std::size_t kFewest = 50;
+  std::size_t lit = 0;
+  for (const float value : floats.pixels) {
+    if (!std::isfinite(value) || value == 0)
+      continue;
+    const double steps = value / step;
+    if (!(steps > 0) || std::abs(steps - std::round(steps)) > tolerance)
+      return false;
+    ++lit;
+  }
+  return lit >= kFewest;
+}
+
 }  // namespace
+
+std::optional<std::array<double, 3>> channelLimits(const Image& image, double limit) {
+  if (image.channels != 3 || image.pixels.empty())
+    return std::nullopt;
+  std::array<float, 3> most{};
+  for (std::size_t i = 0; i < image.pixels.size(); ++i)
+    most[i % 3] = std::max(most[i % 3], image.pixels[i]);
+  if (most[0] == most[1] && most[1] == most[2])
+    return std::nullopt;
+  std::array<std::vector<char>, 3> full;
+  for (std::size_t c = 0; c < 3; ++c) {
+    if (most[c] > 0)
+      full[c] = fullOf(image, c, most[c]);
+  }
+  std::array<double, 3> limits{limit, limit, limit};
+  bool any = false;
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t b = 0; b < 3; ++b) {
+      if (a == b || full[a].empty() || full[b].empty())
+        continue;
+      std::size_t both = 0;
+      for (std::size_t i = 0; i < full[a].size(); ++i) both += full[a][i] & full[b][i];
+      const auto fewer = std::min(std::ranges::count(full[a], 1), std::ranges::count(full[b], 1));
+      if (2 * both < static_cast<std::size_t>(fewer))
+        continue;
+      limits[a] = std::min(limit, static_cast<double>(most[a]));
+      any = any || limits[a] < limit;
+    }
+  }
+  return any ? std::optional(limits) : std::nullopt;
+}
+
+double countsOf(const Image& floats) {
+  constexpr float kFewestCounts = 15;
+  if (floats.pixels.empty() || !areSteps(floats, 1, 0))
+    return 0;
+  float most = 0;
+  for (const float value : floats.pixels)
+    most = std::isfinite(value) ? std::max(most, value) : most;
+  return most > kFewestCounts && most <= kLargest ? most : 0;
+}
+
+bool areDividedIntegers(const Image& floats) {
+  if (std::ranges::any_of(floats.pixels, [](float value) { return value > 1; }))
+    return false;
+  // As half floats have them, and as floats do.
+  return areSteps(floats, 1.0 / 255, 0.1) || areSteps(floats, 1.0 / kLargest, 0.02);
+}
 
 std::optional<StoredPlateau> plateauOf(const Image& image, double largestOfFile) {
   constexpr std::size_t kFewest = 12, kTimes = 8, kFewestValues = 8;

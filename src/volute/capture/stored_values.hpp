@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include "volute/image/image.hpp"
@@ -23,6 +24,20 @@ struct StoredPlateau {
 /// values.
 /// @param image  values as stored, whole numbers / `largest`.
 std::optional<StoredPlateau> plateauOf(const Image& image, double largest = 65535);
+
+/// Where each channel stops counting, where that is not the same for all: pictures whose white
+/// balance was set after the sensor's limit. A channel counts that has a plateau as plateauOf() has
+/// one, also at 1, in pixels half of which or more are in another channel's. Of 1 = the largest
+/// that a file can hold; nothing: no two channels have different limits.
+/// @param limit  of a channel for which none is found
+std::optional<std::array<double, 3>> channelLimits(const Image& image, double limit);
+
+/// The largest of floats that all are whole numbers, as integers are that were only converted; 0
+/// where they are few, or end above 16 bits.
+double countsOf(const Image& floats);
+
+/// Whether floats are whole 255ths or 65535ths, as integers are that were only divided.
+bool areDividedIntegers(const Image& floats);
 
 /// The bits that make a value the largest: 12 for 4095 / 65535; nothing for other values.
 /// @param value  whole number / `largest`

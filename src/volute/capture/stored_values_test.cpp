@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -45,6 +46,52 @@ TEST(StoredValues, PlateausAreWhereManyPixelsReadTheLargestValue) {
   const auto other = plateauOf(ramp(9000, 5000));
   ASSERT_TRUE(other.has_value());
   EXPECT_FALSE(bitsOf(other->value).has_value());
+}
+
+/// A smooth hill of light, as 16 bits store it, each channel up to its limit.
+Image hill(double most, const std::array<double, 3>& limits) {
+  Image image(48, 40, 3);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < 3; ++c) {
+        const double light =
+            most * std::exp(-(std::pow(x - 23.3, 2) + std::pow(y - 19.6, 2)) / 120);
+        image.at(x, y, c) =
+            static_cast<float>(std::round(65535 * std::min(light, limits[c])) / 65535);
+      }
+  return image;
+}
+
+TEST(StoredValues, ChannelsMayStopAtDifferentValues) {
+  const auto limits = channelLimits(hill(2, {1, 0.65, 0.8}), 1);
+  ASSERT_TRUE(limits.has_value());
+  EXPECT_EQ((*limits)[0], 1);
+  EXPECT_NEAR((*limits)[1], 0.65, 1e-4);
+  EXPECT_NEAR((*limits)[2], 0.8, 1e-4);
+  EXPECT_FALSE(channelLimits(hill(2, {1, 1, 1}), 1).has_value());
+  EXPECT_FALSE(channelLimits(hill(2, {1, 3, 3}), 1).has_value());
+  EXPECT_FALSE(channelLimits(hill(0.9, {1, 1, 1}), 1).has_value());
+  Image coloured = hill(2, {1, 1, 1});
+  for (std::size_t i = 1; i < coloured.pixels.size(); i += 3)
+    coloured.pixels[i] *= 0.3F + 0.0001F * static_cast<float>(i % 1000);
+  EXPECT_FALSE(channelLimits(coloured, 1).has_value()) << "green has no limit";
+}
+
+TEST(StoredValues, FloatsThatWereIntegersAreKnown) {
+  Image bytes = hill(0.9, {1, 1, 1}), light = bytes, divided = bytes;
+  for (std::size_t i = 0; i < light.pixels.size(); ++i) {
+    bytes.pixels[i] = std::round(255 * light.pixels[i]);
+    divided.pixels[i] = bytes.pixels[i] / 255;
+    light.pixels[i] = 200 * std::sqrt(light.pixels[i]);
+  }
+  EXPECT_NEAR(countsOf(bytes), 230, 2);
+  EXPECT_EQ(countsOf(light), 0);
+  EXPECT_EQ(countsOf(divided), 0);
+  EXPECT_TRUE(areDividedIntegers(divided));
+  EXPECT_FALSE(areDividedIntegers(bytes));
+  EXPECT_FALSE(areDividedIntegers(light));
+  for (float& value : light.pixels) value /= 200;
+  EXPECT_FALSE(areDividedIntegers(light));
 }
 
 TEST(StoredValues, EvenPicturesAndFullFilesHaveNone) {

@@ -113,7 +113,10 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->storedPedestal,
                picture->largest,
                picture->litBackgroundSaturated,
-               picture->transparentMask};
+               picture->transparentMask,
+               picture->channelLimits,
+               picture->counts,
+               picture->dividedIntegers};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));

@@ -28,6 +28,9 @@ struct PictureFacts {
   double largest = 65535;             ///< the integer that is 1 in its file
   double litBackgroundSaturated = 0;  ///< of absorption: shares as CameraPicture has them
   double transparentMask = 0;
+  std::optional<std::array<double, 3>> channelLimits{};
+  double counts = 0;  ///< floats, as CameraPicture has them
+  bool dividedIntegers = false;
 };
 
 /// All cameras at one frame, in the order of the capture.

@@ -113,6 +113,22 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
                     facts.plateau->saturated ? "saturated" : "an evenly lit background", stateThat),
         camera);
   }
+  if (facts.channelLimits) {
+    const auto& limits = *facts.channelLimits;
+    warnings.add(
+        fmt::format("red, green and blue read at most {:.0f}, {:.0f} and {:.0f} of {:.0f} in many "
+                    "pixels, and are taken as saturated there (white balance after the sensor's "
+                    "limit?): state \"saturation\": 1 if they are not",
+                    limits[0] * facts.largest, limits[1] * facts.largest, limits[2] * facts.largest,
+                    facts.largest),
+        camera);
+  }
+  if (facts.dividedIntegers) {
+    warnings.add(
+        "floats that are whole parts of 255 or 65535, and \"color\" was stated: are they still "
+        "encoded? Floats are taken as light: write them as integers, or decode them",
+        camera);
+  }
   if (facts.pedestal > 0) {
     warnings.add(
         fmt::format("all pixels beside the volume show about {:.2g} (stored, 1 = white): a black "
@@ -154,6 +170,26 @@ void checkBits(const FrameViews& views, PictureFindings& findings) {
       "\"bits\": {}, for light is taken as {:.0f} times too dark; else the exposures use little of "
       "their files",
       views.frame, most, largest, bits, bits, largest / most));
+}
+
+/// Floats that are whole numbers were counts.
+void checkCounts(const FrameViews& views, PictureFindings& findings) {
+  double most = 0;
+  for (const PictureFacts& facts : views.facts) {
+    if (facts.missing)
+      continue;
+    if (facts.counts == 0)
+      return;  // one among others is a gain
+    most = std::max(most, facts.counts);
+  }
+  if (most == 0)
+    return;
+  constexpr std::array kWhites{255, 1023, 4095, 16383, 65535};
+  const int white = *std::ranges::lower_bound(kWhites, most, {}, [](int one) { return 1.0 * one; });
+  findings.warnings.push_back(fmt::format(
+      "frame {}: floats that are whole numbers up to {:.0f} are taken as light: are they counts? "
+      "Then state \"white\": {:.3g} (1/{}), for light is taken as {} times too bright",
+      views.frame, most, 1.0 / white, white, white));
 }
 
 double shareOf(std::size_t part, std::size_t whole) {
@@ -375,8 +411,10 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
   for (std::size_t i = 0; i < counts.size(); ++i)
     checkStoring(views.facts[i], views.views[i].name, views.views[i].grey, storing, wrong);
   storing.moveTo(findings.warnings, views.frame);
-  if (!findings.dark)
+  if (!findings.dark) {
     checkBits(views, findings);
+    checkCounts(views, findings);
+  }
   wrong.moveTo(findings.faults, views.frame);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const std::string name = fmt::format("camera {}, frame {}", views.views[i].name, views.frame);
