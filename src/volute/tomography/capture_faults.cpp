@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -100,7 +102,27 @@ void raise(TomographyView& view, double exponent, double white) {
   }
 }
 
-/// The views without the mistake.
+/// Where red, green and blue are found.
+constexpr std::array<std::array<int, 3>, 6> kOrders{
+    {{0, 1, 2}, {2, 1, 0}, {1, 0, 2}, {0, 2, 1}, {1, 2, 0}, {2, 0, 1}}};
+
+void orderChannels(TomographyView& view, const std::array<int, 3>& order) {
+  for (std::size_t i = 0; i + 2 < view.radiance.pixels.size(); i += 3) {
+    float* p = &view.radiance.pixels[i];
+    const std::array<float, 3> was{p[0], p[1], p[2]};
+    for (int c = 0; c < 3; ++c) p[c] = was[order[c]];
+  }
+}
+
+/// The camera with its principal point further to the right and down [pixels].
+Camera shiftedBy(const Camera& camera, double pixels) {
+  CameraCorrection correction;
+  correction.values[CameraCorrection::kPrincipal] = pixels;
+  correction.values[CameraCorrection::kPrincipal + 1] = pixels;
+  return corrected(camera, correction).value_or(camera);
+}
+
+/// The views without the mistake; a shift is in pixels of these.
 Views without(const Views& views, std::span<const double> white, FaultKind kind,
               const std::vector<std::size_t>& cameras, double value) {
   Views mended = views;
@@ -137,6 +159,12 @@ Views without(const Views& views, std::span<const double> white, FaultKind kind,
       case FaultKind::kExponent:
         raise(mended[v], value, white[v]);
         break;
+      case FaultKind::kShift:
+        mended[v].camera = shiftedBy(mended[v].camera, value);
+        break;
+      case FaultKind::kChannels:
+        orderChannels(mended[v], kOrders[static_cast<std::size_t>(value)]);
+        break;
       case FaultKind::kExchanged:
       case FaultKind::kBox:
         break;
@@ -153,6 +181,13 @@ struct Hypothesis {
   double left = 0;  // of the pictures without it, root mean square
 };
 
+/// Whether one picture of a sequence can have it by itself.
+bool canBeAlone(FaultKind kind) {
+  return kind == FaultKind::kMirrored || kind == FaultKind::kFlipped ||
+         kind == FaultKind::kUpsideDown || kind == FaultKind::kExchanged ||
+         kind == FaultKind::kGain || kind == FaultKind::kChannels;
+}
+
 bool isResponse(FaultKind kind) {
   return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded || kind == FaultKind::kExponent;
 }
@@ -160,6 +195,7 @@ bool isResponse(FaultKind kind) {
 /// How one coarse volume explains all views.
 struct Explanation {
   double all = 0;    // misfit, root mean square
+  double lit = 0;    // of what is clearly brighter than the noise
   bool bad = false;  // some view is not explained
 };
 
@@ -185,7 +221,9 @@ class Level {
                                         : std::ranges::max(geometry.resolution)) /
                                       longest))) {
     coloured_ = coarseViews(views, geometry_);
-    views_ = greyed(coloured_);
+    for (std::size_t v = 0; v < views.size(); ++v)
+      reductions_.push_back(views[v].camera.width() / coloured_[v].camera.width());
+    setGrey();
     options_.regularization = Regularization::kNone;
     options_.iterations = iterations;
     options_.raysPerPixel = 1;
@@ -195,7 +233,11 @@ class Level {
   /// Grey: a mistake shows in all colours.
   const Views& views() const { return views_; }
 
+  const Views& coloured() const { return coloured_; }
+
   Views without(const Hypothesis& fault, std::span<const double> white) const {
+    if (fault.kind == FaultKind::kShift)
+      return shifted(fault.value);
     if (!isResponse(fault.kind))
       return volute::without(views_, white, fault.kind, fault.cameras, fault.value);
     return greyed(volute::without(coloured_, white, fault.kind, fault.cameras, fault.value));
@@ -205,7 +247,7 @@ class Level {
 
   void mend(std::span<const double> white, const Hypothesis& fault) {
     coloured_ = volute::without(coloured_, white, fault.kind, fault.cameras, fault.value);
-    views_ = greyed(coloured_);
+    setGrey();
   }
 
   /// Empty where the views have no hull in common.
@@ -250,6 +292,34 @@ class Level {
     return found;
   }
 
+  /// Besides, what is left where there is light: values that are cut off at black have a mean that
+  /// no volume explains, and other curves press it down.
+  Result<Explanation> explainLit(const Views& views, const Progress& progress) const {
+    VOLUTE_ASSIGN(const auto volume, fitted(views, geometry_, progress));
+    Explanation found;
+    double squares = 0, lit = 0;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      squares += std::pow(matched(views[v], volume).misfit, 2);
+      TomographyView bright = views[v];
+      bright.weight.assign(lit_[v].size(), 0);
+      for (std::size_t i = 0; i < lit_[v].size(); ++i) {
+        if (lit_[v][i] != 0)
+          bright.weight[i] = views[v].weight.empty() ? 1 : views[v].weight[i];
+      }
+      lit +=
+          volume.empty()
+              ? 1
+              : std::pow(matchOf(bright,
+                                 projectVolume(volume, geometry_, options_.basis, bright.camera, 1),
+                                 geometry_, noiseOf(views[v]))
+                             .misfit,
+                         2);
+    }
+    found.all = std::sqrt(squares / static_cast<double>(views.size()));
+    found.lit = std::sqrt(lit / static_cast<double>(views.size()));
+    return found;
+  }
+
   Result<Explanation> explain(const Views& views, const Progress& progress) const {
     return explain(views, geometry_, progress);
   }
@@ -257,6 +327,11 @@ class Level {
   /// How far each of some cameras is from what the others predict, root mean square.
   Result<double> heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
                          const Progress& progress) const {
+    return heldOut(views, cameras, together, geometry_, progress);
+  }
+
+  Result<double> heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
+                         const VolumeGeometry& geometry, const Progress& progress) const {
     double squares = 0;
     std::vector<float> volume;
     for (const std::size_t v : cameras) {
@@ -267,27 +342,51 @@ class Level {
           if (!left)
             others.push_back(views[i]);
         }
-        VOLUTE_ASSIGN(volume, fitted(others, geometry_, progress));
+        VOLUTE_ASSIGN(volume, fitted(others, geometry, progress));
       }
-      squares += std::pow(matched(views[v], volume).misfit, 2);
+      squares += std::pow(matched(views[v], volume, geometry).misfit, 2);
     }
     return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, cameras.size())));
   }
 
  private:
+  void setGrey() {
+    views_ = greyed(coloured_);
+    lit_.clear();
+    for (const TomographyView& view : views_) {
+      const double threshold = 2 * silhouetteThreshold(view, {});
+      std::vector<char> is(view.radiance.pixels.size() / 3);
+      for (std::size_t i = 0; i < is.size(); ++i)
+        is[i] = view.radiance.pixels[3 * i] > threshold ? 1 : 0;
+      lit_.push_back(std::move(is));
+    }
+  }
+
+  /// @param pixels  of the pictures as they are
+  Views shifted(double pixels) const {
+    Views views = views_;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      views[v].camera = shiftedBy(views[v].camera, pixels / reductions_[v]);
+    return views;
+  }
+
   VolumeGeometry geometry_;
   Views coloured_, views_;
+  std::vector<int> reductions_;         // one a view: pixels that became one
+  std::vector<std::vector<char>> lit_;  // one a view: pixels that are clearly brighter than noise
   TomographyOptions options_;
 };
 
 class FaultSearch {
  public:
+  /// @param alone  only what one picture can have by itself
   FaultSearch(const Views& views, std::span<const double> white, const VolumeGeometry& geometry,
-              Progress& progress)
+              bool alone, Progress& progress)
       : coarse_(views, geometry, kCoarse, kCoarseIterations,
                 false),  // what is wrong carves all away
         fine_(views, geometry, kFine, kFineIterations, true),
         white_(white),
+        alone_(alone),
         progress_(progress) {}
 
   /// The next mistake, if there is one that is clearly it.
@@ -298,15 +397,20 @@ class FaultSearch {
     if (now.bad && litAllAround())
       return std::optional<CaptureFault>();
     if (now.bad) {
-      if (first) {
+      if (first && !alone_) {
         VOLUTE_ASSIGN(const auto cut, cutByTheBounds(now));
         if (cut)
           return std::optional(*cut);
       }
       VOLUTE_ASSIGN(candidates, likely(now));
     }
+    // Neither need half a pixel, which refined poses hide.
+    for (const double pixels : {-0.5, 0.5}) {
+      if (first && !alone_)
+        candidates.push_back({FaultKind::kShift, {}, pixels, 0});
+    }
     // Flat pictures are easily explained, so that those of another response need not stand out.
-    if (first && !white_.empty()) {
+    if (first && !alone_ && !white_.empty()) {
       const bool known = std::ranges::any_of(candidates, [&](const Hypothesis& one) {
         return one.kind == FaultKind::kEncoded && one.cameras.empty();
       });
@@ -315,9 +419,75 @@ class FaultSearch {
       for (const double exponent : {0.8, 1.25})
         candidates.push_back({FaultKind::kExponent, {}, exponent, 0});
     }
-    if (candidates.empty())
+    std::optional<CaptureFault> found;
+    if (!candidates.empty()) {
+      VOLUTE_ASSIGN(found, judged(std::move(candidates)));
+    }
+    if (!found && now.bad && first && !alone_) {
+      VOLUTE_ASSIGN(found, cutWithin(now));
+    }
+    return found;
+  }
+
+  /// A camera whose red, green and blue fit in another order, in colour; the best.
+  Result<std::optional<CaptureFault>> otherOrder() const {
+    constexpr std::size_t kMax = 4;
+    constexpr double kOwn = 0.6, kBetter = 0.75;
+    const Views& views = coarse_.coloured();
+    if (litAllAround() || std::ranges::all_of(views, isGreyPicture))
       return std::optional<CaptureFault>();
-    return judged(std::move(candidates));
+    VOLUTE_ASSIGN(const Explanation now, coarse_.explain(views, progress_));
+    if (!now.bad)
+      return std::optional<CaptureFault>();
+    VOLUTE_ASSIGN(const auto volume, coarse_.fitted(views, coarse_.geometry(), progress_));
+    std::vector<std::size_t> cameras;
+    std::vector<double> misfits;
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      misfits.push_back(coarse_.matched(views[v], volume).misfit);
+      if (!isGreyPicture(views[v]))
+        cameras.push_back(v);
+    }
+    std::ranges::stable_sort(cameras, std::greater(), [&](std::size_t v) { return misfits[v]; });
+    cameras.resize(std::min(cameras.size(), kMax));
+    std::optional<CaptureFault> best;
+    for (const std::size_t v : cameras) {
+      Views others = views;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(v));
+      VOLUTE_ASSIGN(const auto predicted, coarse_.fitted(others, coarse_.geometry(), progress_));
+      std::array<double, kOrders.size()> left{};
+      for (std::size_t order = 0; order < kOrders.size(); ++order) {
+        TomographyView view = views[v];
+        orderChannels(view, kOrders[order]);
+        left[order] = coarse_.matched(view, predicted).misfit;
+      }
+      const auto order = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
+      if (order == 0 || !(left[order] < kOwn * left[0]))
+        continue;
+      Views ordered = views;
+      orderChannels(ordered[v], kOrders[order]);
+      VOLUTE_ASSIGN(const Explanation after, coarse_.explain(ordered, progress_));
+      if (after.all < (best ? best->after : kBetter * now.all)) {
+        best = CaptureFault{
+            FaultKind::kChannels, {v}, static_cast<double>(order), now.all, after.all, {}};
+      }
+    }
+    return best;
+  }
+
+  /// Whether the pictures leave less on coarse voxels without the mistake.
+  Result<bool> isBetterWithout(const CaptureFault& fault) const {
+    const Hypothesis one{fault.kind, fault.cameras, fault.value, 0};
+    if (fault.kind == FaultKind::kChannels) {
+      Views ordered = coarse_.coloured();
+      for (const std::size_t v : fault.cameras)
+        orderChannels(ordered[v], kOrders[static_cast<std::size_t>(fault.value)]);
+      VOLUTE_ASSIGN(const Explanation before, coarse_.explain(coarse_.coloured(), progress_));
+      VOLUTE_ASSIGN(const Explanation after, coarse_.explain(ordered, progress_));
+      return after.all < before.all;
+    }
+    VOLUTE_ASSIGN(const Explanation before, coarse_.explain(coarse_.views(), progress_));
+    VOLUTE_ASSIGN(const Explanation after, coarse_.explain(mended(coarse_, one), progress_));
+    return after.all < before.all;
   }
 
   /// The pictures as they would be without a mistake that was named.
@@ -348,6 +518,38 @@ class FaultSearch {
     if (!(grown.all < kMuchBetter * now.all))
       return std::optional<CaptureFault>();
     return std::optional(CaptureFault{FaultKind::kBox, {}, most, now.all, grown.all, {}});
+  }
+
+  /// What bounds cut need not lie outside of their silhouettes. Nothing else explains the pictures,
+  /// and larger bounds do, by which cameras are predicted better, too: near each camera they have
+  /// room for whatever it alone sees.
+  Result<std::optional<CaptureFault>> cutWithin(const Explanation& now) const {
+    constexpr double kMuchBetter = 0.35, kPredicted = 0.6;
+    const VolumeGeometry larger = grownGeometry(coarse_.geometry());
+    VOLUTE_ASSIGN(const auto grown, coarse_.explain(coarse_.views(), larger, progress_));
+    if (!(grown.all < kMuchBetter * now.all))
+      return std::optional<CaptureFault>();
+    const auto judges = judgesOf({FaultKind::kBox, {}, 1, 0});
+    VOLUTE_ASSIGN(const double before, coarse_.heldOut(coarse_.views(), judges, false, progress_));
+    VOLUTE_ASSIGN(const double after,
+                  coarse_.heldOut(coarse_.views(), judges, false, larger, progress_));
+    if (!(after < kPredicted * before))
+      return std::optional<CaptureFault>();
+    double most = 0;
+    for (const TomographyView& view : coarse_.views())
+      most = std::max(most, lightOutside(view, coarse_.geometry().bounds));
+    return std::optional(CaptureFault{FaultKind::kBox, {}, most, now.all, grown.all, {}});
+  }
+
+  static bool isGreyPicture(const TomographyView& view) {
+    if (view.grey)
+      return true;
+    const auto& light = view.radiance.pixels;
+    for (std::size_t i = 0; i + 2 < light.size(); i += 3) {
+      if (light[i] != light[i + 1] || light[i] != light[i + 2])
+        return false;
+    }
+    return true;
   }
 
   /// Whether most pictures are lit all along their border: by a background that is not subtracted.
@@ -399,6 +601,8 @@ class FaultSearch {
     std::vector<Hypothesis> found;
     const auto attempt = [&](FaultKind kind, std::vector<std::size_t> cameras,
                              double value = 1) -> Status {
+      if (alone_ && (!canBeAlone(kind) || cameras.empty()))
+        return {};
       Hypothesis one{kind, std::move(cameras), value, 0};
       VOLUTE_ASSIGN(const auto explained, coarse_.explain(mended(coarse_, one), progress_));
       one.left = explained.all;
@@ -519,6 +723,8 @@ class FaultSearch {
       return {0.78, 1};
     if (one.kind == FaultKind::kExponent)
       return {0.5, 1};
+    if (one.kind == FaultKind::kShift)  // refinement mends what is less clear
+      return {0.6, 0.85};
     return {0.75, one.cameras.empty() ? 0.75 : 0.6};
   }
 
@@ -540,25 +746,45 @@ class FaultSearch {
   Result<std::optional<CaptureFault>> judged(std::vector<Hypothesis> candidates) const {
     constexpr double kSecond = 0.95;
     constexpr double kMinLeft = 0.02;  // of the pictures, for another curve to be looked for
-    VOLUTE_ASSIGN(const Explanation now, fine_.explain(fine_.views(), progress_));
-    if (now.all < kMinLeft)
-      std::erase_if(candidates,
-                    [](const Hypothesis& one) { return one.kind == FaultKind::kExponent; });
+    VOLUTE_ASSIGN(const Explanation now, fine_.explainLit(fine_.views(), progress_));
+    if (now.all < kMinLeft) {
+      std::erase_if(candidates, [](const Hypothesis& one) {
+        return one.kind == FaultKind::kExponent || one.kind == FaultKind::kShift;
+      });
+    }
+    if (candidates.empty())
+      return std::optional<CaptureFault>();
     // By what each leaves over what it must, so that flat pictures have no advantage.
-    std::vector<double> over;
+    std::vector<double> over, squares;
     for (Hypothesis& one : candidates) {
-      VOLUTE_ASSIGN(const auto found, fine_.explain(mended(fine_, one), progress_));
+      VOLUTE_ASSIGN(const auto found, fine_.explainLit(mended(fine_, one), progress_));
       one.left = found.all;
       over.push_back(found.all / barOf(one).fitted);
+      // Noise that is cut off at black is no curve.
+      const bool ofNoise = isResponse(one.kind) && one.cameras.empty() &&
+                           !(found.lit < barOf(one).fitted * now.lit && now.lit > kMinLeft);
+      if (ofNoise)
+        over.back() = std::numeric_limits<double>::infinity();
+      if (one.kind == FaultKind::kShift)
+        squares.push_back(found.all * found.all);
     }
     const auto best = static_cast<std::size_t>(std::ranges::min_element(over) - over.begin());
     Hypothesis one = candidates[best];
+    const double overBest = over[best];
     over.erase(over.begin() + static_cast<std::ptrdiff_t>(best));
     const bool alone =
         over.empty() || one.left / barOf(one).fitted < kSecond * std::ranges::min(over);
     // The candidates are few; the exponent itself may leave much less.
     constexpr double kNearly = 1.4;
     const bool isExponent = one.kind == FaultKind::kExponent;
+    if (!std::isfinite(overBest))
+      return std::optional<CaptureFault>();
+    if (one.kind == FaultKind::kShift) {
+      one.value = leastBetween(squares[0], now.all * now.all, squares[1]);
+      constexpr double kNearest = 0.35, kFurthest = 0.75;
+      if (!(std::abs(one.value) > kNearest && std::abs(one.value) < kFurthest))
+        return std::optional<CaptureFault>();
+    }
     if (alone && isExponent && one.left < kNearly * barOf(one).fitted * now.all)
       VOLUTE_TRY(measure(fine_, one, {0.8, 0.875, 0.94, 1.06, 1.125}));
     if (!alone || !(one.left < barOf(one).fitted * now.all))
@@ -579,6 +805,13 @@ class FaultSearch {
     return std::optional(CaptureFault{one.kind, one.cameras, one.value, now.all, one.left, {}});
   }
 
+  /// Where a parabola through the squares of what is left half a pixel to either side, and between,
+  /// is least; 0 where it is nowhere.
+  static double leastBetween(double left, double middle, double right) {
+    const double curvature = left + right - 2 * middle;
+    return curvature > 0 ? 0.25 * (left - right) / curvature : 0;
+  }
+
   /// Takes the value that leaves least, of those times these factors.
   Status measure(const Level& level, Hypothesis& one, std::initializer_list<double> factors) const {
     const double found = one.value;
@@ -595,14 +828,31 @@ class FaultSearch {
 
   Level coarse_, fine_;
   std::span<const double> white_;
+  bool alone_;
   Progress& progress_;
 };
 
-std::string describe(const CaptureFault& fault, const Views& views) {
+std::string orderText(double value) {
+  constexpr std::array<const char*, 6> kTexts{"",
+                                              "red and blue exchanged (BGR)",
+                                              "red and green exchanged",
+                                              "green and blue exchanged",
+                                              "stored as blue, red, green",
+                                              "stored as green, blue, red"};
+  return kTexts[static_cast<std::size_t>(value)];
+}
+
+std::string namesOf(const CaptureFault& fault, const Views& views) {
   std::vector<std::string> names;
   for (const std::size_t v : fault.cameras) names.push_back(views[v].name);
-  const std::string who =
-      names.empty() ? std::string("all cameras") : fmt::format("camera {}", fmt::join(names, ", "));
+  return names.empty() ? std::string("all cameras")
+                       : fmt::format("camera {}", fmt::join(names, ", "));
+}
+
+std::string describe(const CaptureFault& fault, const Views& views, double pixelCentre) {
+  std::vector<std::string> names;
+  for (const std::size_t v : fault.cameras) names.push_back(views[v].name);
+  const std::string who = namesOf(fault, views);
   const auto evidence = fmt::format("(what is left of the pictures: {:.0f} % instead of {:.0f} %)",
                                     100 * fault.after, 100 * fault.before);
   switch (fault.kind) {
@@ -656,7 +906,27 @@ std::string describe(const CaptureFault& fault, const Views& views) {
           "{}: a lens that its calibration does not have: with k1 {:+.2g} more it fits {}; "
           "calibrate the lens",
           who, fault.value, evidence);
+    case FaultKind::kShift: {
+      const bool right = fault.value > 0;
+      const double centre = right ? 0 : 0.5;
+      return fmt::format(
+          "{}: one volume fits the pictures where principal points are half a pixel further to the "
+          "{}, least at {:+.2f} pixels {}: {}",
+          who, right ? "right and down" : "left and up", fault.value, evidence,
+          centre != pixelCentre
+              ? fmt::format("is the centre of the first pixel at {}, not at {}?", centre,
+                            pixelCentre)
+              : "was the calibration made with other pictures, or are they cropped?");
+    }
+    case FaultKind::kChannels:
+      return fmt::format("{}: {}, against the others: put in order its pictures fit {}", who,
+                         orderText(fault.value), evidence);
     case FaultKind::kBox:
+      if (fault.value < 0.1)
+        return fmt::format(
+            "the volume's bounds seem to cut what the cameras see: bounds half as large again on "
+            "each side explain the pictures {}; enlarge them",
+            evidence);
       return fmt::format(
           "the volume's bounds cut what the cameras see: up to {:.0f} % of a camera's light lies "
           "outside, and bounds half as large again on each side explain the pictures {}; enlarge "
@@ -666,16 +936,12 @@ std::string describe(const CaptureFault& fault, const Views& views) {
   return {};
 }
 
-}  // namespace
-
-Result<std::vector<CaptureFault>> findCaptureFaults(const std::vector<TomographyView>& views,
-                                                    std::span<const double> white,
-                                                    const VolumeGeometry& geometry,
-                                                    Progress& progress) {
+/// One after the other.
+Result<std::vector<CaptureFault>> foundBy(FaultSearch& search, const Views& views,
+                                          double pixelCentre) {
   std::vector<CaptureFault> faults;
   if (views.size() < kFewestToTell)
     return faults;
-  FaultSearch search(views, white, geometry, progress);
   // More mistakes than half the cameras make are not told from one another.
   while (2 * faults.size() < views.size()) {
     VOLUTE_ASSIGN(auto fault, search.next(faults.empty()));
@@ -688,15 +954,75 @@ Result<std::vector<CaptureFault>> findCaptureFaults(const std::vector<Tomography
     });
     if (again)
       break;
-    fault->text = describe(*fault, views);
-    const bool last = fault->kind == FaultKind::kBox;
+    fault->text = describe(*fault, views, pixelCentre);
+    const bool last = fault->kind == FaultKind::kBox || fault->kind == FaultKind::kShift;
     if (!last)
       search.mend(*fault);
     faults.push_back(std::move(*fault));
     if (last)
+      return faults;
+  }
+  while (2 * faults.size() < views.size()) {
+    VOLUTE_ASSIGN(auto fault, search.otherOrder());
+    if (!fault)
       break;
+    fault->text = describe(*fault, views, pixelCentre);
+    search.mend(*fault);
+    faults.push_back(std::move(*fault));
   }
   return faults;
+}
+
+}  // namespace
+
+Result<std::vector<CaptureFault>> findCaptureFaults(const std::vector<TomographyView>& views,
+                                                    std::span<const double> white,
+                                                    const VolumeGeometry& geometry,
+                                                    Progress& progress, double pixelCentre) {
+  FaultSearch search(views, white, geometry, false, progress);
+  return foundBy(search, views, pixelCentre);
+}
+
+Result<std::vector<CaptureFault>> findPictureFaults(const std::vector<TomographyView>& views,
+                                                    const VolumeGeometry& geometry,
+                                                    Progress& progress) {
+  FaultSearch search(views, {}, geometry, true, progress);
+  return foundBy(search, views, 0.5);
+}
+
+Result<bool> hasCaptureFault(const CaptureFault& fault, const std::vector<TomographyView>& views,
+                             std::span<const double> white, const VolumeGeometry& geometry,
+                             Progress& progress) {
+  return FaultSearch(views, white, geometry, false, progress).isBetterWithout(fault);
+}
+
+std::string describeInFrames(const CaptureFault& fault, const std::vector<TomographyView>& views,
+                             std::span<const int> frames) {
+  const auto what = [&]() -> std::string {
+    switch (fault.kind) {
+      case FaultKind::kMirrored:
+        return "mirrored";
+      case FaultKind::kFlipped:
+        return "flipped";
+      case FaultKind::kUpsideDown:
+        return "upside down";
+      case FaultKind::kExchanged:
+        return "exchanged";
+      case FaultKind::kGain:
+        return fmt::format("{:.0f} % too {}: its radiance times {:.3g} fits the others",
+                           100 * std::abs(1 / fault.value - 1), fault.value < 1 ? "bright" : "dark",
+                           fault.value);
+      case FaultKind::kChannels:
+        return orderText(fault.value);
+      default:
+        return "does not fit the others";
+    }
+  };
+  return fmt::format(
+      "{}, frame{} {} alone: {} (what is left of the pictures: {:.0f} % instead of {:.0f} %); mend "
+      "these pictures, or take them away: the camera then does not count there",
+      namesOf(fault, views), frames.size() == 1 ? "" : "s", fmt::join(frames, ", "), what(),
+      100 * fault.after, 100 * fault.before);
 }
 
 }  // namespace volute

@@ -25,13 +25,16 @@ struct CaptureFault {
     kGain,        ///< brighter or darker than the others by a factor
     kZoom,        ///< of another focal length by much
     kLens,        ///< of a lens that bends much more, or less, than the calibration has it
+    kShift,       ///< all principal points about half a pixel off
+    kChannels,    ///< red, green and blue in another order than the others'
     kBox,         ///< the volume's bounds cut what is seen
   };
 
   Kind kind = Kind::kMirrored;
   std::vector<std::size_t> cameras;  ///< positions among the views; empty: all of them
   double value = 1;                  ///< kGain, kZoom: the factor that mends it; kExponent; kLens:
-                                     ///< what is added to k1
+                                     ///< what is added to k1; kShift: pixels to the right and
+                                     ///< down; kChannels: which order
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
 };
@@ -43,11 +46,31 @@ struct CaptureFault {
 /// both, and clearly better than the others, is named; then the next is looked for. While the
 /// bounds cut much of the light nothing else is told. Nothing for pictures that agree, for fewer
 /// than four views, and where nothing that is tried explains them. Only cameras that stand out most
-/// are tried; exchanges need pictures of one size.
+/// are tried; exchanges need pictures of one size. Orders of channels are looked for last, in
+/// colour.
 /// @param white  one a view: the radiance of a stored value of 1; empty where views do not hold
 ///   light: responses are then not tried.
+/// @param pixelCentre  where the calibration has the centre of the first pixel, for the sentence
 [[nodiscard]] Result<std::vector<CaptureFault>> findCaptureFaults(
     const std::vector<TomographyView>& views, std::span<const double> white,
-    const VolumeGeometry& geometry, Progress& progress);
+    const VolumeGeometry& geometry, Progress& progress, double pixelCentre = 0.5);
+
+/// Mistakes of the kinds that one picture of some cameras can have by itself: turned, exchanged,
+/// brighter or darker, channels in another order. For frames beside that which findCaptureFaults()
+/// was asked about.
+[[nodiscard]] Result<std::vector<CaptureFault>> findPictureFaults(
+    const std::vector<TomographyView>& views, const VolumeGeometry& geometry, Progress& progress);
+
+/// Whether pictures of another frame are explained better without this mistake of some cameras,
+/// too.
+[[nodiscard]] Result<bool> hasCaptureFault(const CaptureFault& fault,
+                                           const std::vector<TomographyView>& views,
+                                           std::span<const double> white,
+                                           const VolumeGeometry& geometry, Progress& progress);
+
+/// The sentence on a mistake that is in these frames alone.
+[[nodiscard]] std::string describeInFrames(const CaptureFault& fault,
+                                           const std::vector<TomographyView>& views,
+                                           std::span<const int> frames);
 
 }  // namespace volute

@@ -158,6 +158,38 @@ TEST(CaptureFaults, FocalLengthsThatAreALittleOffAreMeasured) {
   }
 }
 
+TEST(CaptureFaults, HalfAPixelInAllCamerasIsToldByItsName) {
+  const TestScene scene(6, 0, 0, 60, 56);
+  for (const double off : {0.5, -0.5}) {
+    Views views = scene.views;
+    CameraCorrection shift;
+    shift.values[CameraCorrection::kPrincipal] = off;
+    shift.values[CameraCorrection::kPrincipal + 1] = off;
+    for (TomographyView& view : views) view.camera = *corrected(view.camera, shift);
+    const auto faults = faultsOf(scene, views, brightestOf(views));
+    ASSERT_EQ(faults.size(), 1U) << off;
+    EXPECT_EQ(faults[0].kind, Kind::kShift) << faults[0].text;
+    EXPECT_NEAR(faults[0].value, -off, 0.15);
+    EXPECT_NE(faults[0].text.find(off < 0 ? "is the centre of the first pixel at 0, not at 0.5?"
+                                          : "are they cropped?"),
+              std::string::npos)
+        << faults[0].text;
+  }
+}
+
+TEST(CaptureFaults, AnotherOrderOfChannelsIsToldByItsName) {
+  const TestScene scene = smallScene(6);
+  Views views = scene.views;
+  for (std::size_t i = 0; i < views[3].radiance.pixels.size(); i += 3)
+    std::swap(views[3].radiance.pixels[i], views[3].radiance.pixels[i + 2]);
+  const auto faults = faultsOf(scene, views, brightestOf(views));
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, Kind::kChannels) << faults[0].text;
+  EXPECT_EQ(faults[0].cameras, std::vector<std::size_t>{3});
+  EXPECT_NE(faults[0].text.find("camera c3: red and blue exchanged"), std::string::npos)
+      << faults[0].text;
+}
+
 TEST(CaptureFaults, BoundsThatCutTheMediumAreToldAlone) {
   TestScene scene = smallScene(6);
   scene.geometry.bounds.max.x() = 0;

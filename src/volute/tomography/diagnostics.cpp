@@ -216,9 +216,11 @@ class Consistency {
     const std::string sentence = fmt::format(
         "the cameras disagree: no volume comes nearer to the pictures of {} of them than {:.1f} % "
         "(relative L2, median) in what is two voxels wide and more, and voxels of this size "
-        "explain {:.1f} %; check where pixel centres are (0 or 0.5), principal points, the lens, "
-        "poses (from world to camera, or the other way), how the pictures store light (linear or "
-        "sRGB), and that each picture is its camera's and no mirror image",
+        "explain {:.1f} %; check that each picture is its camera's and no mirror image, that the "
+        "bounds "
+        "hold all of the medium, where pixel centres are (0 or 0.5), principal points, the lens, "
+        "poses (from world to camera, or the other way), and how the pictures store light (linear "
+        "or sRGB)",
         believed_.size(), 100 * *misfit, 100 * explained);
     VOLUTE_ASSIGN(const auto culprits, culpritsOf(plain));
     for (const std::size_t v : culprits) {
