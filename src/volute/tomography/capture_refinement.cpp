@@ -103,6 +103,8 @@ class Refiner {
     const std::size_t most = std::clamp<std::uint64_t>(fitting, 1, kMaxFrames);
     for (const std::size_t place : spread(capture_.frames.size(), most)) {
       const int number = capture_.frames[place];
+      if (std::ranges::find(faulty_, number) != faulty_.end())
+        continue;
       auto read = reader_.read(number);
       // A frame that cannot be read is told when its turn comes.
       if (!read)
@@ -144,15 +146,50 @@ class Refiner {
 
   const std::vector<int>& shifts() const { return shifts_; }
 
-  Result<std::vector<CaptureFault>> faults() const {
-    const auto& views = frames_[frames_.size() / 2];
-    std::vector<double> white;  // none: depths follow no response
-    for (const TomographyView& view : views) {
-      if (!view.opticalDepth)
-        white.push_back(capture_.white * known(view.name).pictures.lightGain());
+  /// Mistakes of all frames, as far as one in the middle and the others tell.
+  /// @param own  gets sentences on those of single pictures; their frames are looked at no more
+  Result<std::vector<CaptureFault>> faults(std::vector<std::string>& own) {
+    const std::size_t middle = frames_.size() / 2;
+    const std::vector<double> white = whites(frames_[middle]);
+    VOLUTE_ASSIGN(auto found, findCaptureFaults(frames_[middle], white, geometry(), progress_,
+                                                capture_.pixelCentre));
+    if (frames_.size() == 1)
+      return found;
+    std::vector<FramesFault> some;
+    std::vector<CaptureFault> common;
+    for (CaptureFault& fault : found) {
+      FramesFault one{std::move(fault), {middle}};
+      for (std::size_t f = 0; f < frames_.size() && !one.fault.cameras.empty(); ++f) {
+        if (f == middle)
+          continue;
+        VOLUTE_ASSIGN(const bool has,
+                      hasCaptureFault(one.fault, frames_[f], white, geometry(), progress_));
+        if (has)
+          one.frames.push_back(f);
+      }
+      // Of two frames neither is the odd one.
+      const bool all = one.fault.cameras.empty() || 2 * one.frames.size() > frames_.size() ||
+                       frames_.size() == 2;
+      if (all)
+        common.push_back(std::move(one.fault));
+      else
+        some.push_back(std::move(one));
     }
-    return findCaptureFaults(views, white, geometry(), progress_);
+    if (common.empty())
+      VOLUTE_TRY(findOwnFaults(middle, some));
+    for (FramesFault& one : some) {
+      std::ranges::sort(one.frames);
+      std::vector<int> numbers;
+      for (const std::size_t f : one.frames) numbers.push_back(numbers_[f]);
+      own.push_back(describeInFrames(one.fault, frames_[middle], numbers));
+      std::ranges::copy(numbers, std::back_inserter(faulty_));
+    }
+    forgetFaulty();
+    return common;
   }
+
+  /// Frames in which single pictures have mistakes.
+  const std::vector<int>& faulty() const { return faulty_; }
 
   /// @param extended  lenses and responses, too
   Result<CalibrationFit> fit(bool fine, bool extended) const {
@@ -175,6 +212,61 @@ class Refiner {
   }
 
  private:
+  /// A mistake in some of the frames.
+  struct FramesFault {
+    CaptureFault fault;
+    std::vector<std::size_t> frames;
+  };
+
+  /// None: depths follow no response.
+  std::vector<double> whites(const std::vector<TomographyView>& views) const {
+    std::vector<double> white;
+    for (const TomographyView& view : views) {
+      if (!view.opticalDepth)
+        white.push_back(capture_.white * known(view.name).pictures.lightGain());
+    }
+    return white;
+  }
+
+  /// Mistakes of the frames beside the middle one, added to those of its own.
+  Status findOwnFaults(std::size_t middle, std::vector<FramesFault>& some) const {
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      const bool known = std::ranges::any_of(some, [&](const FramesFault& one) {
+        return std::ranges::find(one.frames, f) != one.frames.end();
+      });
+      if (f == middle || known)
+        continue;
+      VOLUTE_ASSIGN(auto found, findPictureFaults(frames_[f], geometry(), progress_));
+      for (CaptureFault& fault : found) {
+        const auto same = std::ranges::find_if(some, [&](const FramesFault& one) {
+          constexpr double kNearly = 1.1;
+          const double ratio = one.fault.value / fault.value;
+          return one.fault.kind == fault.kind && one.fault.cameras == fault.cameras &&
+                 ratio < kNearly && ratio > 1 / kNearly;
+        });
+        if (same == some.end())
+          some.push_back({std::move(fault), {f}});
+        else
+          same->frames.push_back(f);
+      }
+    }
+    return {};
+  }
+
+  /// Leaves out frames with mistakes of their own, if others are left.
+  void forgetFaulty() {
+    Frames frames;
+    std::vector<int> numbers;
+    for (std::size_t f = 0; f < frames_.size(); ++f) {
+      if (std::ranges::find(faulty_, numbers_[f]) != faulty_.end())
+        continue;
+      frames.push_back(std::move(frames_[f]));
+      numbers.push_back(numbers_[f]);
+    }
+    frames_ = std::move(frames);
+    numbers_ = std::move(numbers);
+  }
+
   Result<CalibrationFit> fitOf(const Frames& frames, bool fine, bool extended = false) const {
     CalibrationFitOptions options{
         .fine = fine, .lens = extended, .exponent = {}, .maxMemory = maxMemory_ / 2};
@@ -319,6 +411,7 @@ class Refiner {
   Progress& progress_;
   Frames frames_;
   std::vector<int> numbers_, shifts_;
+  std::vector<int> faulty_;  // numbers of frames in which single pictures have mistakes
   std::vector<Occlusion> occlusions_;
 };
 
@@ -369,24 +462,28 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
     result.mended = false;
     return leave(error.message);
   };
-  const auto faults = refiner.faults();
+  std::vector<std::string> seen;
+  for (const TomographyView& view : refiner.frames()[0]) seen.push_back(view.name);
+  const auto faults = refiner.faults(result.pictureFaults);
   if (!faults)
     return failed(faults.error());
-  const auto& seen = refiner.frames()[0];
+  result.faultyFrames = refiner.faulty();
   std::vector<std::string> apart = heldOut;  // keep their calibration
   bool all = false;                          // whether a mistake is not of some cameras alone
   for (const CaptureFault& fault : *faults) {
     result.faults.push_back(fault.text);
     all = all || fault.cameras.empty();
     for (const std::size_t v : fault.cameras) {
-      if (refinementMends(fault) || std::ranges::find(apart, seen[v].name) != apart.end())
+      if (refinementMends(fault) || std::ranges::find(apart, seen[v]) != apart.end())
         continue;
-      apart.push_back(seen[v].name);
-      result.leftOut.push_back(seen[v].name);
+      apart.push_back(seen[v]);
+      result.leftOut.push_back(seen[v]);
     }
   }
   if (refine == Refine::kNever)
     return result;
+  if (refiner.frames().empty())
+    return leave("pictures have mistakes in each frame that was looked at");
   if (refine == Refine::kAuto && (all || views < kFewestViews + result.leftOut.size())) {
     result.leftOut.clear();
     return result;
@@ -400,8 +497,7 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
     for (const CaptureFault& fault : *faults) {
       if (!refinementMends(fault))
         continue;
-      CaptureCamera& known =
-          result.capture.cameras[*findCamera(capture, seen[fault.cameras[0]].name)];
+      CaptureCamera& known = result.capture.cameras[*findCamera(capture, seen[fault.cameras[0]])];
       if (fault.kind == CaptureFault::Kind::kGain)
         known.pictures.gain *= fault.value;
       else
@@ -482,8 +578,9 @@ Result<CaptureRefinement> refineCapture(const Capture& capture,
                                         const std::vector<std::string>& heldOut, Refine refine,
                                         std::uint64_t maxMemory, Progress& progress) {
   VOLUTE_ASSIGN(auto result, refined(capture, heldOut, refine, maxMemory, progress));
-  for (const std::string& text : result.faults)
-    progress.remark({RemarkCode::kDoubtful, "warning: " + text});
+  for (const auto* texts : {&result.faults, &result.pictureFaults})
+    for (const std::string& text : *texts)
+      progress.remark({RemarkCode::kDoubtful, "warning: " + text});
   if (!result.faults.empty() && result.mended)
     progress.remark("gains, focal lengths and lenses that were told are taken");
   if (!result.leftOut.empty())
@@ -575,7 +672,9 @@ std::vector<std::string> outstandingCorrections(const CaptureRefinement& refinem
 }
 
 nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
-  if (refinement.frames.empty() && refinement.faults.empty())
+  std::vector<std::string> faults = refinement.faults;
+  std::ranges::copy(refinement.pictureFaults, std::back_inserter(faults));
+  if (refinement.frames.empty() && faults.empty())
     return {};
   auto cameras = nlohmann::ordered_json::array();
   for (std::size_t v = 0; v < refinement.names.size(); ++v) {
@@ -612,7 +711,7 @@ nlohmann::ordered_json refinementJson(const CaptureRefinement& refinement) {
           {"frames", refinement.frames},
           {"residual_before", jsonNumber(refinement.before)},
           {"residual_after", jsonNumber(refinement.after)},
-          {"faults", refinement.faults},
+          {"faults", faults},
           {"cameras", cameras}};
 }
 

@@ -30,20 +30,26 @@ struct CaptureRefinement {
   /// For each of `names`, how many frames later its pictures are taken from: its clock runs late by
   /// so many.
   std::vector<int> shifts;
-  std::vector<std::string> faults;   ///< mistakes that were found: sentences for people
+  std::vector<std::string> faults;  ///< mistakes that were found: sentences for people
+  /// Mistakes of single pictures of the frames that were looked at: sentences, and these frames,
+  /// which tell nothing of calibrations.
+  std::vector<std::string> pictureFaults;
+  std::vector<int> faultyFrames;
   std::vector<std::string> leftOut;  ///< cameras that keep their calibration, for what is wrong
                                      ///< with them is no number a little off
   std::vector<double> moved;  ///< for each of `names`, how far what it sees of the volume moved in
                               ///< its picture, root mean square [pixels]
 };
 
-/// Looks at up to eight frames, spread over the film. First for mistakes, see findCaptureFaults():
-/// gains and focal lengths of some cameras are taken; cameras with others keep their calibration,
-/// and all do where a mistake is of all, or fewer than four are left. Then refines it, and, where a
-/// camera is left that does not fit, its clock by whole frames. Orthographic cameras, fewer than
-/// four cameras, and frames without light are left as they are, with the reason as a remark if
-/// `refine` is kAlways. Pixels in which something dark stands in front of one camera, see
-/// findOcclusions(), do not count. What was found and corrected is remarked on.
+/// Looks at up to eight frames, spread over the film. First for mistakes, see findCaptureFaults(),
+/// in one of them, and whether the others have them: what is in few frames alone is told with these
+/// and not taken for the others. Gains and focal lengths of some cameras are taken; cameras with
+/// others keep their calibration, and all do where a mistake is of all, or fewer than four are
+/// left. Then refines it, and, where a camera is left that does not fit, its clock by whole frames.
+/// Orthographic cameras, fewer than four cameras, and frames without light are left as they are,
+/// with the reason as a remark if `refine` is kAlways. Pixels in which something dark stands in
+/// front of one camera, see findOcclusions(), do not count. What was found and corrected is
+/// remarked on.
 [[nodiscard]] Result<CaptureRefinement> refineCapture(const Capture& capture,
                                                       const std::vector<std::string>& heldOut,
                                                       Refine refine, std::uint64_t maxMemory,

@@ -122,6 +122,36 @@ TEST_F(CaptureRefinementTest, AHalfExposureIsToldAndTaken) {
   EXPECT_EQ(never.capture.cameras[2].pictures.gain, 0.5);
 }
 
+TEST_F(CaptureRefinementTest, AHalfExposureInOneFrameIsNotTakenForAll) {
+  capture.frames = {0, 1, 2, 3};
+  for (const int odd : {2, 0}) {  // in the middle, and the first
+    const std::string name = file("c2", odd);
+    const Image right = *readImage(name);
+    Image half = right;
+    for (float& value : half.pixels) value *= 0.5F;
+    ASSERT_TRUE(writeImage(name, half));
+    const CaptureRefinement result = refined();
+    ASSERT_TRUE(writeImage(name, right));
+    EXPECT_FALSE(result.used || result.mended);
+    EXPECT_TRUE(result.faults.empty());
+    ASSERT_EQ(result.pictureFaults.size(), 1U) << odd;
+    EXPECT_NE(result.pictureFaults[0].find(fmt::format("camera c2, frame {} alone: ", odd)),
+              std::string::npos)
+        << result.pictureFaults[0];
+    EXPECT_EQ(result.faultyFrames, std::vector<int>{odd});
+    EXPECT_EQ(result.capture.cameras[2].pictures.gain, 1);
+  }
+  for (int frame = 0; frame < kFrames; ++frame) {  // in all
+    Image half = *readImage(file("c2", frame));
+    for (float& value : half.pixels) value *= 0.5F;
+    ASSERT_TRUE(writeImage(file("c2", frame), half));
+  }
+  const CaptureRefinement result = refined();
+  EXPECT_TRUE(result.mended);
+  EXPECT_EQ(result.faults.size(), 1U);
+  EXPECT_TRUE(result.pictureFaults.empty());
+}
+
 TEST_F(CaptureRefinementTest, AHalfExposureBesidePosesThatAreOffIsRefinedWithThem) {
   capture.frames = {1};
   const double clean = refined(Refine::kAlways).after;

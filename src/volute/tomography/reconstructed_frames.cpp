@@ -435,6 +435,23 @@ Result<Reconstruction> ReconstructedFrames::fit(int index, FrameViews& views,
               result.error().message);
 }
 
+namespace {
+
+/// The factor on what a camera saw that comes nearest to `seen`.
+double bestGain(const TomographyView& view, const Image& inColour) {
+  const Image seen = asSeenBy(view, inColour);
+  double both = 0, own = 0;
+  for (std::size_t i = 0; i < seen.pixels.size(); ++i) {
+    if (!view.counts(i / 3))
+      continue;
+    both += static_cast<double>(seen.pixels[i]) * view.radiance.pixels[i];
+    own += static_cast<double>(view.radiance.pixels[i]) * view.radiance.pixels[i];
+  }
+  return both > 0 && own > 0 ? both / own : 1;
+}
+
+}  // namespace
+
 /// A camera whose picture of a neighbouring frame fits what the others saw better than its own.
 std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
                                                           const FrameViews& views,
@@ -451,6 +468,10 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
   const Image seen = projectVolume(fit->volume, geometry(), options.basis,
                                    views.views[camera].camera, options.raysPerPixel);
   const double own = volute::residualOf(views.views[camera], seen, options.noiseSigma).relative;
+  const double gain = bestGain(views.views[camera], seen);
+  TomographyView brighter = views.views[camera];
+  for (float& light : brighter.radiance.pixels) light *= static_cast<float>(gain);
+  const double scaled = volute::residualOf(brighter, seen, options.noiseSigma).relative;
   double best = own;
   int shift = 0;
   for (const int by : {-2, -1, 1, 2}) {
@@ -466,6 +487,15 @@ std::optional<std::string> ReconstructedFrames::outOfStep(std::size_t camera,
   }
   if (!(best < kClearly * own))
     return std::nullopt;
+  // Neighbours are nearly the same picture.
+  constexpr double kAsGood = 1.2;
+  if (scaled < kAsGood * best) {
+    return fmt::format(
+        "camera {}, frame {}: {:.0f} % too {}: its radiance times {:.3f} fits what the other "
+        "cameras saw",
+        views.views[camera].name, views.frame, 100 * std::abs(1 / gain - 1),
+        gain < 1 ? "bright" : "dark", gain);
+  }
   return fmt::format(
       "camera {}, frame {}: its picture of frame {} fits what the other cameras saw better "
       "(relative "
@@ -558,11 +588,13 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
                                                                 const Reconstruction& result,
                                                                 nlohmann::ordered_json& cameras) {
   StopOnly quiet(progress_);
+  const auto& named = settings_.causeNamedIn;
+  const bool causeNamed =
+      settings_.causeNamed || std::ranges::find(named, views.frame) != named.end();
   VOLUTE_ASSIGN(const auto diagnosis,
                 diagnose(views.fitted(), geometry(), settings_.tomography, result, quiet));
   std::vector<std::string> warnings;
-  for (const std::string& warning :
-       settings_.causeNamed ? std::vector<std::string>{} : diagnosis.warnings)
+  for (const std::string& warning : causeNamed ? std::vector<std::string>{} : diagnosis.warnings)
     warnings.push_back(fmt::format("frame {}: {}", views.frame, warning));
   std::size_t next = 0;
   for (std::size_t camera = 0; camera < views.views.size(); ++camera) {
@@ -571,18 +603,18 @@ Result<std::vector<std::string>> ReconstructedFrames::diagnosed(const FrameViews
     const CameraDiagnosis& found = diagnosis.cameras[next++];
     cameras[camera]["gain"] = jsonNumber(found.gain);
     cameras[camera]["residual_ratio"] = jsonNumber(found.residualRatio);
-    if (settings_.causeNamed)
+    if (causeNamed)
       continue;
     if (const auto warning = explained(camera, found, views, result))
       warnings.push_back(*warning);
   }
-  if (!shiftJudged_ && !settings_.causeNamed) {
+  if (!shiftJudged_ && !causeNamed) {
     VOLUTE_ASSIGN(const auto warning, commonShift(views, result, !warnings.empty()));
     if (warning)
       warnings.insert(warnings.begin(), *warning);  // what else was said may come of it
   }
-  shiftJudged_ = true;
-  if (warnings.empty() && !settings_.causeNamed) {
+  shiftJudged_ = shiftJudged_ || named.empty() || !causeNamed;
+  if (warnings.empty() && !causeNamed) {
     if (const auto warning = unexplained(views, diagnosis, result))
       warnings.push_back(*warning);
   }

@@ -29,8 +29,9 @@ struct ReconstructionSettings {
   bool force = false;  ///< go on in spite of faults, which become warnings
   /// The volume is a flame's, whose colours tell the soot that takes light on the way to a camera.
   bool flame = false;
-  bool errorBars = false;   ///< standard deviations are estimated, too
-  bool causeNamed = false;  ///< why cameras disagree is known: frames do not guess at it
+  bool errorBars = false;           ///< standard deviations are estimated, too
+  bool causeNamed = false;          ///< why cameras disagree is known: frames do not guess at it
+  std::vector<int> causeNamedIn{};  ///< frames of which that is known
 };
 
 /// Where chains of frames begin, positions in `frames` (ascending numbers): with a warm start each

@@ -129,6 +129,7 @@ Result<Json> reconstructionReport(const CaptureRefinement& refinement,
     records.push_back(std::move(record));
   }
   for (const std::string& text : refinement.faults) warnings.push_back(text);
+  for (const std::string& text : refinement.pictureFaults) warnings.push_back(text);
   for (const std::string& text : outstandingCorrections(refinement)) warnings.push_back(text);
   Json remarks = Json::array();
   for (const Remark& remark : capture.remarks)

@@ -317,6 +317,7 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
     VOLUTE_TRY(writeCapture(*file, refinement.capture));
   settings.causeNamed = !refinement.leftOut.empty() ||
                         (!refinement.faults.empty() && !refinement.used && !refinement.mended);
+  settings.causeNamedIn = refinement.faultyFrames;
   std::unique_ptr<HoldOutRotation> rotation;
   if (inTurn) {
     VOLUTE_ASSIGN(rotation, HoldOutRotation::run(capture, settings, refineOf(arguments), target,
