@@ -128,7 +128,7 @@ Status BlockRow::load(int row, int firstLayer, int endLayer) {
                   "grid '{}', frame {}: its background is {:.6g}, but {:.6g} in the frames before; "
                   "expected one background in all frames",
                   info.name, info.frameText(static_cast<std::size_t>(first + i)),
-                  frame.background()[0], background_[0]);
+                  offsetOf(source_) + frame.background()[0], offsetOf(source_) + background_[0]);
     }
   }
   const auto order = [](const Piece& a, const Piece& b) {

@@ -114,6 +114,11 @@ Status settleOffset(FrameSource& source, Offsets which) {
     Bricks bricks;
     VOLUTE_TRY(source.readBricks(frame, bricks));
     addBricks(bricks, range);
+    // Floats have one that is exact.
+    for (std::size_t c = 0; !rounds->mayRound() && c < 3; ++c) {
+      if (bricks.background()[c] != 0)
+        range.add(bricks.background()[c]);
+    }
   }
   const bool floats = rounds->rounding() == 0;
   // Floats that are all the same need nothing.
