@@ -159,7 +159,8 @@ TEST(CaptureFaults, FocalLengthsThatAreALittleOffAreMeasured) {
 }
 
 TEST(CaptureFaults, HalfAPixelInAllCamerasIsToldByItsName) {
-  const TestScene scene(6, 0, 0, 60, 56);
+  TestScene scene(6, 0, 0, 40, 37);
+  scene.geometry.resolution = {14, 14, 14};
   for (const double off : {0.5, -0.5}) {
     Views views = scene.views;
     CameraCorrection shift;
