@@ -14,6 +14,7 @@
 #include "volute/base/read_text.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/io/output_names.hpp"
 
 namespace volute {
 namespace {
@@ -127,7 +128,10 @@ class StudyPass {
     }
     ++done_;
     std::string stamps;
-    for (const auto& path : read.names()) stamps += stampOf(std::filesystem::absolute(path));
+    for (const auto& path : read.names()) {
+      if (!liesIn(path, folder_))
+        stamps += stampOf(std::filesystem::absolute(path));
+    }
     return writeFile(keyFile, key + stamps);
   }
 
