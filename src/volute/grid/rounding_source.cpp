@@ -3,6 +3,7 @@
 #include "volute/grid/rounding_source.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "volute/grid/bricks.hpp"
@@ -19,8 +20,13 @@ struct Range {
   /// more the farther they are.
   static constexpr double kFarOfFloats = 32;
 
+  /// Floats that are all the same so far need none, whatever comes: it may be endless.
+  static constexpr std::uint64_t kEnough = std::uint64_t{1} << 26;
+
+  bool ofFloats = false;
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
+  std::uint64_t read = 0;  ///< values, empty ones too
 
   void add(float value) {
     if (!std::isfinite(value))
@@ -35,6 +41,11 @@ struct Range {
   double roundNumber() const {
     const double step = std::ldexp(1.0, std::ilogb(high - low) + 4);
     return step * std::round(middle() / step);
+  }
+
+  /// Whether no further values can lead to an offset.
+  bool isSettled() const {
+    return isNear(kFarOfRounded) || (ofFloats && !(low < high) && read > kEnough);
   }
 
   /// What is near stays so with any more values.
@@ -67,9 +78,10 @@ Status addLayers(FrameSource& source, int frame, Range& range) {
                            ? static_cast<int>(std::clamp<std::size_t>(kValues / layer, 1, info.z))
                            : info.z;
   std::vector<float> values;
-  for (int first = 0; first < info.z && !range.isNear(Range::kFarOfRounded); first += together) {
+  for (int first = 0; first < info.z && !range.isSettled(); first += together) {
     const int end = std::min(info.z, first + together);
     values.resize(layer * static_cast<std::size_t>(end - first));
+    range.read += values.size();
     VOLUTE_TRY(source.readLayers(frame, first, end, values));
     for (const float value : values) {
       if (value != 0)
@@ -103,9 +115,9 @@ Status settleOffset(FrameSource& source, Offsets which) {
   if (which == Offsets::kNone || !rounds || !rounds->takesOffset() || rounds->offset() != 0 ||
       (which == Offsets::kOfRounded && !rounds->mayRound()))
     return {};
-  Range range;
+  Range range{.ofFloats = !rounds->mayRound()};
   for (int frame = 0; frame < source.info().frames; ++frame) {
-    if (range.isNear(Range::kFarOfRounded))
+    if (range.isSettled())
       return {};
     if (!source.hasTopology()) {
       VOLUTE_TRY(addLayers(source, frame, range));
