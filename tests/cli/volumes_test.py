@@ -142,6 +142,8 @@ class Volumes(support.TestCase):
             places = {"t": scaled(factor, "t", 3, 0, 2), "x": scaled(1000, "x", 6, 0.25, 0.5), "y": scaled(100, "y", 5, 0.25, 0.5)}
             self.assertEqual(written(units={"t": time, "x": "millimeters", "y": "centimetres"}, places=places), plain, time)
         self.assertEqual(written(five=True), plain)
+        self.path("a.nc").write_bytes(netcdf(places={"t": [0, 2, 9.969209968386869e36]}))
+        self.assertIn("'time' was never written at 2 of 3", self.fails(1, "info", self.path("a.nc")))
         self.path("a.nc").write_bytes(netcdf(places={"t": [4, 0, 2]}))
         self.assertIn("expected times that ascend or descend", self.fails(1, "info", self.path("a.nc")))
 

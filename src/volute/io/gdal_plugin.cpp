@@ -269,7 +269,14 @@ class GdalReader final : public ArrayReader {
       const double first = times.front();
       for (double& time : times) time -= first;
     }
+    constexpr double kUnwritten = 1e30;  // netCDF's fill value is 9.97e36
     for (std::size_t i = 0; i < times.size(); ++i) {
+      if (std::abs(times[i]) > kUnwritten) {
+        return fail(ErrorCode::kInvalidData,
+                    "{}: '{}' was never written at {} of {} (netCDF's fill value); leave that "
+                    "frame out, or run the simulation to its end",
+                    file_, dimension->GetName(), i, times.size());
+      }
       if (!std::isfinite(times[i]) || (i > 0 && !(times[i] > times[i - 1]))) {
         return fail(
             ErrorCode::kInvalidData,
