@@ -14,6 +14,7 @@
 #include <numbers>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string_view>
 
 #include "volute/base/input_file.hpp"
@@ -88,17 +89,14 @@ std::string decoded(const std::string& text) {
     return text;
   std::string page;
   if (const std::size_t name = text.find("$DWGCODEPAGE"); name != text.npos) {
-    const std::size_t code = text.find('\n', name);
-    const std::size_t value = code == text.npos ? code : text.find('\n', code + 1);
-    if (value != text.npos)
-      page = trimmed(std::string_view(text)
-                         .substr(value + 1, 32)
-                         .substr(0, std::string_view(text).substr(value + 1, 32).find('\n')));
+    std::istringstream lines(text.substr(name, 64));  // the name, a group code, the page
+    for (int i = 0; i < 3; ++i) std::getline(lines, page);
   }
   const std::size_t digits = page.find_first_of("0123456789");
   if (digits == page.npos)
     return utf8;
-  const iconv_t to = ::iconv_open("UTF-8", ("CP" + page.substr(digits)).c_str());
+  const std::string number(trimmed(page.substr(digits)));
+  const iconv_t to = ::iconv_open("UTF-8", ("CP" + number).c_str());
   if (to == reinterpret_cast<iconv_t>(-1))
     return utf8;
   std::string out(4 * text.size(), '\0');
@@ -111,7 +109,7 @@ std::string decoded(const std::string& text) {
   return whole ? out : utf8;
 }
 
-/// With characters in place of their numbers: K\\U+00FCche.
+/// With characters in place of their numbers: K\U+00FCche.
 std::string withoutNumbers(std::string_view text) {
   constexpr std::string_view kMark = "\\U+";
   constexpr std::size_t kDigits = 4;

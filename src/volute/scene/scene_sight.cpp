@@ -428,17 +428,17 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
     for (Remark& remark : hidingNothing(scene))
       scene.media()[0]->remarks.push_back(std::move(remark));
     VOLUTE_ASSIGN(field, scene.media()[0]->sight(reading));
-    const MediumInfo& info = scene.media()[0]->info();
-    if (info.moves && info.times.size() == 1) {
-      progress.remark(
-          Remark(RemarkCode::kLeftOut,
-                 fmt::format("{}: its wind is for pictures: nothing else is stored over "
-                             "time, and sight lines see the map as it is at {:g} s",
-                             scene.path(), info.times.front()))
-              .in(scene.path(), "/media/0/wind"));
-    }
   } else {
     VOLUTE_ASSIGN(field, SceneSight::make(scene, reading));
+  }
+  const bool blows =
+      std::ranges::any_of(scene.media(), [](const auto& medium) { return medium->info().moves; });
+  if (blows && field->times().size() == 1) {
+    progress.remark(Remark(RemarkCode::kLeftOut,
+                           fmt::format("{}: its wind is for pictures: nothing is stored over time, "
+                                       "and sight lines see the media as they are at {:g} s",
+                                       scene.path(), field->times().front()))
+                        .in(scene.path()));
   }
   if (!scene.geometry().empty()) {
     field->wrap(

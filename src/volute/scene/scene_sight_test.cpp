@@ -276,8 +276,9 @@ TEST_F(SightOfSeveral, SeesWhatTheWindMovesAtEachTime) {
   }
   const auto alone = open(R"("media": [{"kind": "slab", "x": 1, "times": [0], "moves": true}])");
   ASSERT_TRUE(alone) << alone.error().message;
-  EXPECT_THAT(log_.remarks(), ElementsAre(::testing::Field(
-                                  &Remark::sentence, HasSubstr("see the map as it is at 0 s"))));
+  EXPECT_THAT(log_.remarks(),
+              ElementsAre(::testing::Field(&Remark::sentence,
+                                           HasSubstr("see the media as they are at 0 s"))));
 }
 
 TEST_F(SightOfSeveral, IsNotClipped) {

@@ -27,14 +27,15 @@ std::string keyOf(const StudyRun& run) {
 }
 
 /// A file as it is now: its size and when it was written; -1: it is not there. Of a folder all that
-/// is below it.
-std::string stampOf(const std::filesystem::path& path) {
+/// is below it, without the study's.
+std::string stampOf(const std::filesystem::path& path, const std::filesystem::path& study) {
   std::error_code error;
   std::int64_t size = -1, time = std::numeric_limits<std::int64_t>::min();
   const auto add = [&](const std::filesystem::path& file) {
-    const auto bytes = std::filesystem::file_size(file, error);
-    const auto written = std::filesystem::last_write_time(file, error);
-    if (error)
+    std::error_code gone;
+    const auto bytes = std::filesystem::file_size(file, gone);
+    const auto written = std::filesystem::last_write_time(file, gone);
+    if (gone)
       return;
     size = std::max(size, std::int64_t{0}) + static_cast<std::int64_t>(bytes);
     time = std::max<std::int64_t>(time, written.time_since_epoch().count());
@@ -42,7 +43,10 @@ std::string stampOf(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, error)) {
     for (std::filesystem::recursive_directory_iterator entry(path, error), end;
          !error && entry != end; entry.increment(error)) {
-      if (entry->is_regular_file(error))
+      std::error_code gone;
+      if (std::filesystem::equivalent(entry->path(), study, gone))
+        entry.disable_recursion_pending();
+      else if (entry->is_regular_file(gone))
         add(entry->path());
     }
   } else {
@@ -52,31 +56,33 @@ std::string stampOf(const std::filesystem::path& path) {
 }
 
 /// Whether all that a run has read is as it was.
-bool isUnchanged(std::string_view stamps) {
+bool isUnchanged(std::string_view stamps, const std::filesystem::path& study) {
   while (!stamps.empty()) {
     const std::string_view line = stamps.substr(0, stamps.find('\n') + 1);
     const std::size_t name = line.find(' ', line.find(' ') + 1);
     if (line.empty() || name == line.npos ||
-        stampOf(line.substr(name + 1, line.size() - name - 2)) != line)
+        stampOf(line.substr(name + 1, line.size() - name - 2), study) != line)
       return false;
     stamps.remove_prefix(line.size());
   }
   return true;
 }
 
-bool isDone(const std::filesystem::path& folder, const std::filesystem::path& keyFile,
-            const std::string& key) {
+/// @param study  the folder of all runs
+bool isDone(const StudyRun& run, const std::filesystem::path& study,
+            const std::filesystem::path& keyFile) {
   std::error_code error;
-  if (!std::filesystem::exists(folder / "visibility.json", error))
+  if (!std::filesystem::exists(study / run.name / "visibility.json", error))
     return false;
+  const std::string key = keyOf(run);
   const auto text = readText(keyFile);
   return text && text->starts_with(key) && text->size() > key.size() &&
-         isUnchanged(std::string_view(*text).substr(key.size()));
+         isUnchanged(std::string_view(*text).substr(key.size()), study);
 }
 
 StudyRunState stateOf(const StudyRun& run, const std::filesystem::path& folder) {
   const auto keyFile = folder / "keys" / (run.name + ".txt");
-  if (isDone(folder / run.name, keyFile, keyOf(run)))
+  if (isDone(run, folder, keyFile))
     return {true, ""};
   if (const auto text = readText(keyFile, 65535); text && text->starts_with("failed: "))
     return {false, text->substr(8, text->size() - 9)};
@@ -111,9 +117,8 @@ class StudyPass {
       : folder_(folder), survey_(survey) {}
 
   Status take(const StudyRun& run) {
-    const std::string key = keyOf(run);
     const auto keyFile = folder_ / "keys" / (run.name + ".txt");
-    if (isDone(folder_ / run.name, keyFile, key)) {
+    if (isDone(run, folder_, keyFile)) {
       ++kept_;
       return {};
     }
@@ -130,9 +135,9 @@ class StudyPass {
     std::string stamps;
     for (const auto& path : read.names()) {
       if (!liesIn(path, folder_))
-        stamps += stampOf(std::filesystem::absolute(path));
+        stamps += stampOf(std::filesystem::absolute(path), folder_);
     }
-    return writeFile(keyFile, key + stamps);
+    return writeFile(keyFile, keyOf(run) + stamps);
   }
 
   /// Of all ranks; tells of runs that failed. Collective.

@@ -57,7 +57,7 @@ FieldRow extinctionField() {
           .unit = "1/m",
           .least = 0,
           .option = {.value = command ? "S" : "",
-                     .more = "; not given, with --aov as the unit says, 1 without a unit"},
+                     .more = "; not given, optical depths are as the unit says, 1 without a unit"},
           .slider = {.label = "extinction",
                      .least = 0,
                      .most = 100,

@@ -222,14 +222,13 @@ class Grids {
 
   /// By its unit, of a grid of which range() was asked.
   std::optional<double> extinctionOf(const std::string& name) const {
-    return extinctions_.at(name);
+    const auto info = infos_.find(name);
+    return info != infos_.end() ? extinctionByUnit(info->second) : std::nullopt;
   }
 
   Result<LookFigures> range(const std::string& name) {
-    extinctions_[name] = std::nullopt;
     if (name == mainName()) {
-      extinctions_[name] = extinctionByUnit(info());
-      units_[name] = info().unit;
+      infos_[name] = info();
       return figuresOf(main_);
     }
     InputOptions one = input_;
@@ -241,8 +240,7 @@ class Grids {
       return LookFigures();  // nothing is active in it
     if (!other)
       return tl::unexpected(std::move(other.error()));
-    extinctions_[name] = extinctionByUnit(other->source->info());
-    units_[name] = other->source->info().unit;
+    infos_[name] = other->source->info();
     other->source = asFinite(std::move(other->source), NotFinite::kRefuse, path_);
     keep(*other);
     if (auto figures = figuresOf(*other); figures || figures.error().code == ErrorCode::kCancelled)
@@ -255,8 +253,8 @@ class Grids {
   /// What makes kelvins of a grid that range() was asked about; nothing where it states no other
   /// unit.
   std::optional<UnitChange> kelvinsOf(const std::string& name) const {
-    const auto unit = units_.find(name);
-    const auto change = unit != units_.end() ? unitChange(unit->second, "K") : std::nullopt;
+    const auto info = infos_.find(name);
+    const auto change = info != infos_.end() ? unitChange(info->second.unit, "K") : std::nullopt;
     return change && (change->factor != 1 || change->offset != 0) ? change : std::nullopt;
   }
 
@@ -290,9 +288,8 @@ class Grids {
   VolumeInput main_;
   std::vector<std::string> names_;
   std::string taken_;
-  std::map<std::string, std::string> units_;  // of those that were asked about
+  std::map<std::string, VolumeInfo> infos_;  // of those that range() was asked about
   std::vector<Remark> levelSets_;
-  std::map<std::string, std::optional<double>> extinctions_;
   bool named_ = true;
 };
 
