@@ -160,7 +160,7 @@ std::optional<BackgroundDrift> findBackgroundDrift(const Image& picture, const I
 std::optional<Rgb> findPedestal(const Image& picture, std::span<const std::uint8_t> pixels) {
   VOLUTE_ASSERT(picture.channels == 3 && 3 * pixels.size() == picture.pixels.size());
   constexpr std::size_t kFewest = 100, kFewestOfAHalf = 30;
-  constexpr double kNormal = 1.4826, kSigmas = 2.5, kEven = 0.1, kOfBrightest = 3e-3;
+  constexpr double kNormal = 1.4826, kSigmas = 2.5, kEven = 0.1, kOfBrightest = 4e-4;
   constexpr double kWithin = 6 * kNormal, kMax = 0.85;
   const float brightest = *std::ranges::max_element(picture.pixels);
   const auto valuesWhere = [&](std::size_t channel, auto&& where) {

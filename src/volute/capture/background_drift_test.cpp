@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "volute/image/srgb.hpp"
+
 namespace volute {
 namespace {
 
@@ -86,6 +88,22 @@ TEST(Pedestal, IsFoundUnderNoiseOfAboutAStepOfWhatIsStored) {
     for (float& value : picture.pixels)
       value = std::max(0.0F, std::round(noise * off(random))) / 255;
     EXPECT_FALSE(findPedestal(picture, all)) << noise;
+  }
+}
+
+TEST(Pedestal, IsFoundFarBelowTheBrightestPixel) {
+  Image picture(40, 40, 3);
+  std::vector<std::uint8_t> all(40 * 40, 1);
+  std::fill_n(all.begin(), 100, 0);
+  std::mt19937 random(1);
+  std::normal_distribution<float> off(0, 0.5F);
+  for (const int level : {2, 8}) {
+    for (float& value : picture.pixels)
+      value = static_cast<float>(srgbDecode(std::round(level + off(random)) / 255));
+    std::fill_n(picture.pixels.begin(), 300, 1.0F);
+    const auto found = findPedestal(picture, all);
+    ASSERT_TRUE(found) << level;
+    EXPECT_NEAR(found->mean(), srgbDecode(level / 255.0), 1e-5);
   }
 }
 

@@ -2,8 +2,6 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/capture_faults.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,191 +11,36 @@
 #include <numeric>
 #include <optional>
 
-#include "volute/image/srgb.hpp"
-#include "volute/tomography/camera_correction.hpp"
+#include "volute/tomography/fault_level.hpp"
 #include "volute/tomography/hull.hpp"
-#include "volute/tomography/match.hpp"
-#include "volute/tomography/project.hpp"
-#include "volute/tomography/reconstruct.hpp"
-#include "volute/tomography/reduced_view.hpp"
 
 namespace volute {
 namespace {
 
 using FaultKind = CaptureFault::Kind;
+using Hypothesis = FaultHypothesis;
 using Views = std::vector<TomographyView>;
 
 constexpr std::size_t kFewestToTell = 4;
-constexpr double kMinUnexplained = 0.05;  // of a view; below, little is looked for
-constexpr double kTimesResolved = 1.3;
-
-bool sameSize(const TomographyView& a, const TomographyView& b) {
-  return a.camera.width() == b.camera.width() && a.camera.height() == b.camera.height();
-}
-
-/// Reduced so that a voxel of `coarse` is two pixels wide; those of one size alike, for they may be
-/// exchanged.
-Views coarseViews(const Views& views, const VolumeGeometry& coarse) {
-  const auto factorOf = [&](const TomographyView& view) {
-    const int most = std::max(1, std::min(view.camera.width(), view.camera.height()) / 8);
-    return std::clamp(static_cast<int>(voxelInPixels(view.camera, coarse) / 2), 1, most);
-  };
-  Views reduced;
-  for (const TomographyView& view : views) {
-    int factor = factorOf(view);
-    for (const TomographyView& other : views) {
-      if (sameSize(view, other))
-        factor = std::min(factor, factorOf(other));
-    }
-    reduced.push_back(reducedView(view, factor));
-    reduced.back().atLeast.clear();
-  }
-  return reduced;
-}
-
-/// The mean of the channels in each.
-Views greyed(Views views) {
-  for (TomographyView& view : views) {
-    for (std::size_t i = 0; i + 2 < view.radiance.pixels.size(); i += 3) {
-      float* p = &view.radiance.pixels[i];
-      std::fill_n(p, 3, (p[0] + p[1] + p[2]) / 3);
-    }
-  }
-  return views;
-}
-
-/// The picture with columns, rows or both in the other order.
-void turnPicture(TomographyView& view, bool columns, bool rows) {
-  const TomographyView before = view;
-  const int width = view.radiance.width, height = view.radiance.height;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int u = columns ? width - 1 - x : x, v = rows ? height - 1 - y : y;
-      const std::size_t to = static_cast<std::size_t>(y) * width + x,
-                        from = static_cast<std::size_t>(v) * width + u;
-      std::copy_n(&before.radiance.pixels[3 * from], 3, &view.radiance.pixels[3 * to]);
-      if (!view.weight.empty())
-        view.weight[to] = before.weight[from];
-      if (!view.silhouette.empty())
-        view.silhouette[to] = before.silhouette[from];
-    }
-  }
-}
-
-/// Light through another response.
-void respond(TomographyView& view, bool decode, double white) {
-  const double brightest = *std::ranges::max_element(view.radiance.pixels);
-  white = std::max({white, brightest, 1e-30});
-  for (float& value : view.radiance.pixels) {
-    const double share = value / white;
-    value = static_cast<float>(white * (decode ? srgbDecode(share) : srgbEncode(share)));
-  }
-}
-
-/// Light to a power, `white` as it is.
-void raise(TomographyView& view, double exponent, double white) {
-  for (float& value : view.radiance.pixels) {
-    const double share = value / white;
-    value = static_cast<float>(white * std::copysign(std::pow(std::abs(share), exponent), share));
-  }
-}
-
-/// Where red, green and blue are found.
-constexpr std::array<std::array<int, 3>, 6> kOrders{
-    {{0, 1, 2}, {2, 1, 0}, {1, 0, 2}, {0, 2, 1}, {1, 2, 0}, {2, 0, 1}}};
-
-void orderChannels(TomographyView& view, const std::array<int, 3>& order) {
-  for (std::size_t i = 0; i + 2 < view.radiance.pixels.size(); i += 3) {
-    float* p = &view.radiance.pixels[i];
-    const std::array<float, 3> was{p[0], p[1], p[2]};
-    for (int c = 0; c < 3; ++c) p[c] = was[order[c]];
-  }
-}
-
-/// The camera with its principal point further to the right and down [pixels].
-Camera shiftedBy(const Camera& camera, double pixels) {
-  CameraCorrection correction;
-  correction.values[CameraCorrection::kPrincipal] = pixels;
-  correction.values[CameraCorrection::kPrincipal + 1] = pixels;
-  return corrected(camera, correction).value_or(camera);
-}
-
-/// The views without the mistake; a shift is in pixels of these.
-Views without(const Views& views, std::span<const double> white, FaultKind kind,
-              const std::vector<std::size_t>& cameras, double value) {
-  Views mended = views;
-  std::vector<std::size_t> all(views.size());
-  std::iota(all.begin(), all.end(), 0);
-  if (kind == FaultKind::kExchanged) {
-    std::swap(mended[cameras[0]].camera, mended[cameras[1]].camera);
-    return mended;
-  }
-  for (const std::size_t v : cameras.empty() ? all : cameras) {
-    switch (kind) {
-      case FaultKind::kMirrored:
-        turnPicture(mended[v], true, false);
-        break;
-      case FaultKind::kFlipped:
-        turnPicture(mended[v], false, true);
-        break;
-      case FaultKind::kUpsideDown:
-        turnPicture(mended[v], true, true);
-        break;
-      case FaultKind::kGain:
-        for (float& light : mended[v].radiance.pixels) light *= static_cast<float>(value);
-        break;
-      case FaultKind::kZoom:
-        mended[v].camera = corrected(mended[v].camera, zoomBy(value)).value_or(mended[v].camera);
-        break;
-      case FaultKind::kLens:
-        mended[v].camera = corrected(mended[v].camera, lensBy(value)).value_or(mended[v].camera);
-        break;
-      case FaultKind::kEncoded:
-      case FaultKind::kDecoded:
-        respond(mended[v], kind == FaultKind::kEncoded, white[v]);
-        break;
-      case FaultKind::kExponent:
-        raise(mended[v], value, white[v]);
-        break;
-      case FaultKind::kShift:
-        mended[v].camera = shiftedBy(mended[v].camera, value);
-        break;
-      case FaultKind::kChannels:
-        orderChannels(mended[v], kOrders[static_cast<std::size_t>(value)]);
-        break;
-      case FaultKind::kExchanged:
-      case FaultKind::kBox:
-        break;
-    }
-  }
-  return mended;
-}
-
-/// A mistake that may be it.
-struct Hypothesis {
-  FaultKind kind = FaultKind::kMirrored;
-  std::vector<std::size_t> cameras;  // empty: all
-  double value = 1;
-  double left = 0;  // of the pictures without it, root mean square
-};
 
 /// Whether one picture of a sequence can have it by itself.
 bool canBeAlone(FaultKind kind) {
   return kind == FaultKind::kMirrored || kind == FaultKind::kFlipped ||
-         kind == FaultKind::kUpsideDown || kind == FaultKind::kExchanged ||
-         kind == FaultKind::kGain || kind == FaultKind::kChannels;
+         kind == FaultKind::kUpsideDown || kind == FaultKind::kTurnedLeft ||
+         kind == FaultKind::kTurnedRight || kind == FaultKind::kExchanged ||
+         kind == FaultKind::kGain || kind == FaultKind::kChannels || kind == FaultKind::kBalance;
 }
 
-bool isResponse(FaultKind kind) {
-  return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded || kind == FaultKind::kExponent;
+constexpr int kCoarse = 16, kCoarseIterations = 20;  // voxels on the longest side, about
+
+/// Voxels so large that what is wrong does not carve all away.
+FaultLevel coarseLevel(const Views& views, const VolumeGeometry& geometry) {
+  return {views, geometry, kCoarse, kCoarseIterations, false};
 }
 
-/// How one coarse volume explains all views.
-struct Explanation {
-  double all = 0;    // misfit, root mean square
-  double lit = 0;    // of what is clearly brighter than the noise
-  bool bad = false;  // some view is not explained
-};
+Hypothesis hypothesisOf(const CaptureFault& fault) {
+  return {fault.kind, fault.cameras, fault.value, 0, fault.factors};
+}
 
 /// The bounds grown by half of their size on each side, and voxels of the same size.
 VolumeGeometry grownGeometry(const VolumeGeometry& geometry) {
@@ -210,180 +53,12 @@ VolumeGeometry grownGeometry(const VolumeGeometry& geometry) {
   return grown;
 }
 
-/// Views and a volume as fine as a comparison wants them.
-class Level {
- public:
-  /// @param longest  voxels on the longest side, about
-  /// @param hull  whether silhouettes tell where nothing is: a mistake carves its own hull
-  Level(const Views& views, const VolumeGeometry& geometry, int longest, int iterations, bool hull)
-      : geometry_(coarserGeometry(
-            geometry, std::max(1, (hull ? std::ranges::max(geometry.resolution) + longest - 1
-                                        : std::ranges::max(geometry.resolution)) /
-                                      longest))) {
-    coloured_ = coarseViews(views, geometry_);
-    for (std::size_t v = 0; v < views.size(); ++v)
-      reductions_.push_back(views[v].camera.width() / coloured_[v].camera.width());
-    setGrey();
-    options_.regularization = Regularization::kNone;
-    options_.iterations = iterations;
-    options_.raysPerPixel = 1;
-    options_.hull = hull;
-  }
-
-  /// Grey: a mistake shows in all colours.
-  const Views& views() const { return views_; }
-
-  const Views& coloured() const { return coloured_; }
-
-  Views without(const Hypothesis& fault, std::span<const double> white) const {
-    if (fault.kind == FaultKind::kShift)
-      return shifted(fault.value);
-    if (!isResponse(fault.kind))
-      return volute::without(views_, white, fault.kind, fault.cameras, fault.value);
-    return greyed(volute::without(coloured_, white, fault.kind, fault.cameras, fault.value));
-  }
-
-  const VolumeGeometry& geometry() const { return geometry_; }
-
-  void mend(std::span<const double> white, const Hypothesis& fault) {
-    coloured_ = volute::without(coloured_, white, fault.kind, fault.cameras, fault.value);
-    setGrey();
-  }
-
-  /// Empty where the views have no hull in common.
-  Result<std::vector<float>> fitted(const Views& views, const VolumeGeometry& geometry,
-                                    const Progress& progress) const {
-    if (progress.cancelled())
-      return fail(ErrorCode::kCancelled, "Stopped");
-    Progress quiet;
-    auto fit = reconstruct(views, geometry, options_, {}, quiet);
-    if (!fit && fit.error().code == ErrorCode::kNotFound)
-      return std::vector<float>{};
-    if (!fit)
-      return tl::unexpected<Error>(fit.error());
-    return std::move(fit->volume);
-  }
-
-  /// @param volume  of `geometry`, which may be larger than the level's; empty: no volume explains
-  /// it
-  ViewMatch matched(const TomographyView& view, const std::vector<float>& volume,
-                    const VolumeGeometry& geometry) const {
-    if (volume.empty())
-      return {.residual = 1, .gain = 1, .misfit = 1, .unresolved = 0};
-    return matchOf(view, projectVolume(volume, geometry, options_.basis, view.camera, 1), geometry_,
-                   {});
-  }
-
-  ViewMatch matched(const TomographyView& view, const std::vector<float>& volume) const {
-    return matched(view, volume, geometry_);
-  }
-
-  Result<Explanation> explain(const Views& views, const VolumeGeometry& geometry,
-                              const Progress& progress) const {
-    VOLUTE_ASSIGN(const auto volume, fitted(views, geometry, progress));
-    Explanation found;
-    double squares = 0;
-    for (const TomographyView& view : views) {
-      const ViewMatch match = matched(view, volume, geometry);
-      found.bad |= match.misfit > std::max(kMinUnexplained, kTimesResolved * match.unresolved);
-      squares += match.misfit * match.misfit;
-    }
-    found.all = std::sqrt(squares / static_cast<double>(views.size()));
-    return found;
-  }
-
-  /// Besides, what is left where there is light: values that are cut off at black have a mean that
-  /// no volume explains, and other curves press it down.
-  Result<Explanation> explainLit(const Views& views, const Progress& progress) const {
-    VOLUTE_ASSIGN(const auto volume, fitted(views, geometry_, progress));
-    Explanation found;
-    double squares = 0, lit = 0;
-    for (std::size_t v = 0; v < views.size(); ++v) {
-      squares += std::pow(matched(views[v], volume).misfit, 2);
-      TomographyView bright = views[v];
-      bright.weight.assign(lit_[v].size(), 0);
-      for (std::size_t i = 0; i < lit_[v].size(); ++i) {
-        if (lit_[v][i] != 0)
-          bright.weight[i] = views[v].weight.empty() ? 1 : views[v].weight[i];
-      }
-      lit +=
-          volume.empty()
-              ? 1
-              : std::pow(matchOf(bright,
-                                 projectVolume(volume, geometry_, options_.basis, bright.camera, 1),
-                                 geometry_, noiseOf(views[v]))
-                             .misfit,
-                         2);
-    }
-    found.all = std::sqrt(squares / static_cast<double>(views.size()));
-    found.lit = std::sqrt(lit / static_cast<double>(views.size()));
-    return found;
-  }
-
-  Result<Explanation> explain(const Views& views, const Progress& progress) const {
-    return explain(views, geometry_, progress);
-  }
-
-  /// How far each of some cameras is from what the others predict, root mean square.
-  Result<double> heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
-                         const Progress& progress) const {
-    return heldOut(views, cameras, together, geometry_, progress);
-  }
-
-  Result<double> heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
-                         const VolumeGeometry& geometry, const Progress& progress) const {
-    double squares = 0;
-    std::vector<float> volume;
-    for (const std::size_t v : cameras) {
-      if (volume.empty() || !together) {
-        Views others;
-        for (std::size_t i = 0; i < views.size(); ++i) {
-          const bool left = together ? std::ranges::find(cameras, i) != cameras.end() : i == v;
-          if (!left)
-            others.push_back(views[i]);
-        }
-        VOLUTE_ASSIGN(volume, fitted(others, geometry, progress));
-      }
-      squares += std::pow(matched(views[v], volume, geometry).misfit, 2);
-    }
-    return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, cameras.size())));
-  }
-
- private:
-  void setGrey() {
-    views_ = greyed(coloured_);
-    lit_.clear();
-    for (const TomographyView& view : views_) {
-      const double threshold = 2 * silhouetteThreshold(view, {});
-      std::vector<char> is(view.radiance.pixels.size() / 3);
-      for (std::size_t i = 0; i < is.size(); ++i)
-        is[i] = view.radiance.pixels[3 * i] > threshold ? 1 : 0;
-      lit_.push_back(std::move(is));
-    }
-  }
-
-  /// @param pixels  of the pictures as they are
-  Views shifted(double pixels) const {
-    Views views = views_;
-    for (std::size_t v = 0; v < views.size(); ++v)
-      views[v].camera = shiftedBy(views[v].camera, pixels / reductions_[v]);
-    return views;
-  }
-
-  VolumeGeometry geometry_;
-  Views coloured_, views_;
-  std::vector<int> reductions_;         // one a view: pixels that became one
-  std::vector<std::vector<char>> lit_;  // one a view: pixels that are clearly brighter than noise
-  TomographyOptions options_;
-};
-
 class FaultSearch {
  public:
   /// @param alone  only what one picture can have by itself
   FaultSearch(const Views& views, std::span<const double> white, const VolumeGeometry& geometry,
               bool alone, Progress& progress)
-      : coarse_(views, geometry, kCoarse, kCoarseIterations,
-                false),  // what is wrong carves all away
+      : coarse_(coarseLevel(views, geometry)),
         fine_(views, geometry, kFine, kFineIterations, true),
         white_(white),
         alone_(alone),
@@ -429,10 +104,11 @@ class FaultSearch {
     return found;
   }
 
-  /// A camera whose red, green and blue fit in another order, in colour; the best.
-  Result<std::optional<CaptureFault>> otherOrder() const {
+  /// A camera whose red, green and blue fit in another order, or each times a factor, in colour;
+  /// the best.
+  Result<std::optional<CaptureFault>> otherColours() const {
     constexpr std::size_t kMax = 4;
-    constexpr double kOwn = 0.6, kBetter = 0.75;
+    constexpr double kBetter = 0.75;
     const Views& views = coarse_.coloured();
     if (litAllAround() || std::ranges::all_of(views, isGreyPicture))
       return std::optional<CaptureFault>();
@@ -451,57 +127,57 @@ class FaultSearch {
     cameras.resize(std::min(cameras.size(), kMax));
     std::optional<CaptureFault> best;
     for (const std::size_t v : cameras) {
-      Views others = views;
-      others.erase(others.begin() + static_cast<std::ptrdiff_t>(v));
-      VOLUTE_ASSIGN(const auto predicted, coarse_.fitted(others, coarse_.geometry(), progress_));
-      std::array<double, kOrders.size()> left{};
-      for (std::size_t order = 0; order < kOrders.size(); ++order) {
-        TomographyView view = views[v];
-        orderChannels(view, kOrders[order]);
-        left[order] = coarse_.matched(view, predicted).misfit;
-      }
-      const auto order = static_cast<std::size_t>(std::ranges::min_element(left) - left.begin());
-      if (order == 0 || !(left[order] < kOwn * left[0]))
+      VOLUTE_ASSIGN(const auto colours, coloursOf(v));
+      if (!colours)
         continue;
-      Views ordered = views;
-      orderChannels(ordered[v], kOrders[order]);
-      VOLUTE_ASSIGN(const Explanation after, coarse_.explain(ordered, progress_));
-      if (after.all < (best ? best->after : kBetter * now.all)) {
-        best = CaptureFault{
-            FaultKind::kChannels, {v}, static_cast<double>(order), now.all, after.all, {}};
-      }
+      VOLUTE_ASSIGN(const Explanation after,
+                    coarse_.explain(coarse_.without(*colours, white_), progress_));
+      if (after.all < (best ? best->after : kBetter * now.all))
+        best = CaptureFault{colours->kind, {v}, colours->value,  now.all,
+                            after.all,     {},  colours->factors};
     }
     return best;
   }
 
-  /// Whether the pictures leave less on coarse voxels without the mistake.
-  Result<bool> isBetterWithout(const CaptureFault& fault) const {
-    const Hypothesis one{fault.kind, fault.cameras, fault.value, 0};
-    if (fault.kind == FaultKind::kChannels) {
-      Views ordered = coarse_.coloured();
-      for (const std::size_t v : fault.cameras)
-        orderChannels(ordered[v], kOrders[static_cast<std::size_t>(fault.value)]);
-      VOLUTE_ASSIGN(const Explanation before, coarse_.explain(coarse_.coloured(), progress_));
-      VOLUTE_ASSIGN(const Explanation after, coarse_.explain(ordered, progress_));
-      return after.all < before.all;
-    }
-    VOLUTE_ASSIGN(const Explanation before, coarse_.explain(coarse_.views(), progress_));
-    VOLUTE_ASSIGN(const Explanation after, coarse_.explain(mended(coarse_, one), progress_));
-    return after.all < before.all;
-  }
-
   /// The pictures as they would be without a mistake that was named.
   void mend(const CaptureFault& fault) {
-    const Hypothesis one{fault.kind, fault.cameras, fault.value, 0};
-    coarse_.mend(white_, one);
-    fine_.mend(white_, one);
+    coarse_.mend(hypothesisOf(fault), white_);
+    fine_.mend(hypothesisOf(fault), white_);
   }
 
  private:
-  static constexpr int kCoarse = 16, kFine = 40;  // voxels on the longest side, about
-  static constexpr int kCoarseIterations = 20, kFineIterations = 40;
+  static constexpr int kFine = 40, kFineIterations = 40;
 
-  Views mended(const Level& level, const Hypothesis& one) const {
+  /// What a camera's colours need to fit those that the others predict much better.
+  Result<std::optional<Hypothesis>> coloursOf(std::size_t camera) const {
+    constexpr double kOwn = 0.6, kApart = 1.1;
+    const TomographyView& seen = coarse_.coloured()[camera];
+    Views others = coarse_.coloured();
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(camera));
+    VOLUTE_ASSIGN(const auto predicted, coarse_.fitted(others, coarse_.geometry(), progress_));
+    const auto leftOf = [&](const Hypothesis& one) {
+      return coarse_.matched(coarse_.without(one, white_)[camera], predicted).misfit;
+    };
+    const ViewMatch now = coarse_.matched(seen, predicted);
+    std::optional<Hypothesis> best;
+    const auto attempt = [&](Hypothesis one, double without) {
+      one.left = leftOf(one);
+      if (one.left < kOwn * without && (!best || one.left < best->left))
+        best = std::move(one);
+    };
+    for (std::size_t order = 1; order < kChannelOrders.size(); ++order)
+      attempt({FaultKind::kChannels, {camera}, static_cast<double>(order), 0}, now.misfit);
+    const auto balance = coarse_.balanceOf(seen, predicted);
+    if (balance && balance->maxCoeff() > kApart * balance->minCoeff()) {
+      // One factor for all is a gain.
+      const double gain =
+          leftOf({FaultKind::kGain, {camera}, now.gain, 0, Rgb::Constant(now.gain)});
+      attempt({FaultKind::kBalance, {camera}, 1, 0, *balance}, std::min(now.misfit, gain));
+    }
+    return best;
+  }
+
+  Views mended(const FaultLevel& level, const Hypothesis& one) const {
     return level.without(one, white_);
   }
 
@@ -620,6 +296,10 @@ class FaultSearch {
     for (const std::size_t v : suspects) who.push_back({v});
     for (const auto& cameras : who) {
       for (const FaultKind kind : kTurned) VOLUTE_TRY(attempt(kind, cameras));
+      for (const FaultKind kind : {FaultKind::kTurnedLeft, FaultKind::kTurnedRight}) {
+        if (areSquare(cameras))
+          VOLUTE_TRY(attempt(kind, cameras));
+      }
       for (const FaultKind kind : kResponses) {
         if (!white_.empty())
           VOLUTE_TRY(attempt(kind, cameras));
@@ -643,6 +323,9 @@ class FaultSearch {
       if (gain > kMin || gain < 1 / kMin)
         VOLUTE_TRY(attempt(FaultKind::kGain, cameras, gain));
     }
+    VOLUTE_ASSIGN(auto ordered, ofOtherOrder(now));
+    if (ordered && !alone_)
+      found.push_back(std::move(*ordered));
     // Two that are exchanged spoil the others' fits as much as their own.
     constexpr std::size_t kFew = 8;
     std::vector<std::size_t> either = suspects;
@@ -653,7 +336,7 @@ class FaultSearch {
     for (std::size_t a = 0; a < either.size(); ++a) {
       for (std::size_t b = a + 1; b < either.size(); ++b) {
         const auto [low, high] = std::minmax(either[a], either[b]);
-        if (sameSize(coarse_.views()[low], coarse_.views()[high]))
+        if (areOfOneSize(coarse_.views()[low], coarse_.views()[high]))
           VOLUTE_TRY(attempt(FaultKind::kExchanged, {low, high}));
       }
     }
@@ -664,6 +347,34 @@ class FaultSearch {
         VOLUTE_TRY(measure(coarse_, one, {0.5, 0.7, 0.85, 1.18, 1.4, 2, 2.8, 4}));
     }
     return found;
+  }
+
+  /// All cameras' pictures as those of others; only where nothing fits.
+  Result<std::optional<Hypothesis>> ofOtherOrder(const Explanation& now) const {
+    constexpr double kMuchUnexplained = 0.12, kBetter = 0.5;
+    const Views& views = coarse_.views();
+    std::optional<Hypothesis> best;
+    const bool alike = std::ranges::all_of(
+        views, [&](const TomographyView& view) { return areOfOneSize(view, views[0]); });
+    for (int order = 0; alike && now.all > kMuchUnexplained && order < kCameraOrders; ++order) {
+      Hypothesis one{FaultKind::kOrder, {}, static_cast<double>(order), 0};
+      VOLUTE_ASSIGN(const auto explained, coarse_.explain(mended(coarse_, one), progress_));
+      one.left = explained.all;
+      if (one.left < (best ? best->left : kBetter * now.all))
+        best = std::move(one);
+    }
+    return best;
+  }
+
+  /// @param cameras  empty: all
+  bool areSquare(const std::vector<std::size_t>& cameras) const {
+    const auto isSquare = [](const TomographyView& view) {
+      return view.camera.width() == view.camera.height();
+    };
+    if (cameras.empty())
+      return std::ranges::all_of(coarse_.views(), isSquare);
+    return std::ranges::all_of(cameras,
+                               [&](std::size_t v) { return isSquare(coarse_.views()[v]); });
   }
 
   /// Of the hypotheses from `first` on, the one that leaves least.
@@ -813,7 +524,8 @@ class FaultSearch {
   }
 
   /// Takes the value that leaves least, of those times these factors.
-  Status measure(const Level& level, Hypothesis& one, std::initializer_list<double> factors) const {
+  Status measure(const FaultLevel& level, Hypothesis& one,
+                 std::initializer_list<double> factors) const {
     const double found = one.value;
     for (const double factor : factors) {
       const Hypothesis other{one.kind, one.cameras, factor * found, 0};
@@ -826,115 +538,11 @@ class FaultSearch {
     return {};
   }
 
-  Level coarse_, fine_;
+  FaultLevel coarse_, fine_;
   std::span<const double> white_;
   bool alone_;
   Progress& progress_;
 };
-
-std::string orderText(double value) {
-  constexpr std::array<const char*, 6> kTexts{"",
-                                              "red and blue exchanged (BGR)",
-                                              "red and green exchanged",
-                                              "green and blue exchanged",
-                                              "stored as blue, red, green",
-                                              "stored as green, blue, red"};
-  return kTexts[static_cast<std::size_t>(value)];
-}
-
-std::string namesOf(const CaptureFault& fault, const Views& views) {
-  std::vector<std::string> names;
-  for (const std::size_t v : fault.cameras) names.push_back(views[v].name);
-  return names.empty() ? std::string("all cameras")
-                       : fmt::format("camera {}", fmt::join(names, ", "));
-}
-
-std::string describe(const CaptureFault& fault, const Views& views, double pixelCentre) {
-  std::vector<std::string> names;
-  for (const std::size_t v : fault.cameras) names.push_back(views[v].name);
-  const std::string who = namesOf(fault, views);
-  const auto evidence = fmt::format("(what is left of the pictures: {:.0f} % instead of {:.0f} %)",
-                                    100 * fault.after, 100 * fault.before);
-  switch (fault.kind) {
-    case FaultKind::kMirrored:
-      return fmt::format(
-          "{}: mirrored: left and right exchanged, the pictures fit {}; mirror them "
-          "back",
-          who, evidence);
-    case FaultKind::kFlipped:
-      return fmt::format(
-          "{}: flipped: above and below exchanged, the pictures fit {}; set "
-          "\"bottom_up\": true, or check the rows of R, for y is down",
-          who, evidence);
-    case FaultKind::kUpsideDown:
-      return fmt::format(
-          "{}: upside down: turned by half a turn, the pictures fit {}; turn them, "
-          "or the calibration",
-          who, evidence);
-    case FaultKind::kExchanged:
-      return fmt::format(
-          "cameras {} and {}: exchanged: each fits as the other {}; exchange their "
-          "pictures, or their calibrations",
-          names[0], names[1], evidence);
-    case FaultKind::kEncoded:
-      return fmt::format(
-          "{}: the pictures are stored as sRGB and taken as linear {}; set \"color\": "
-          "\"srgb\"",
-          who, evidence);
-    case FaultKind::kDecoded:
-      return fmt::format(
-          "{}: the pictures are stored linearly and taken as sRGB {}; set \"color\": "
-          "\"linear\"",
-          who, evidence);
-    case FaultKind::kExponent:
-      return fmt::format(
-          "{}: the light is stored by another curve: to the power of about {:.2f} it fits {}; set "
-          "\"color\" to that of the camera, or \"exponent\"",
-          who, fault.value, evidence);
-    case FaultKind::kGain:
-      return fmt::format(
-          "{}: {:.0f} % too {}: its radiance times {:.3g} fits the others {}; set its \"gain\"",
-          who, 100 * std::abs(1 / fault.value - 1), fault.value < 1 ? "bright" : "dark",
-          fault.value, evidence);
-    case FaultKind::kZoom:
-      return fmt::format(
-          "{}: another focal length, about {:.3g} times as long, fits {}; calibrate with the lens "
-          "and the size of these pictures",
-          who, fault.value, evidence);
-    case FaultKind::kLens:
-      return fmt::format(
-          "{}: a lens that its calibration does not have: with k1 {:+.2g} more it fits {}; "
-          "calibrate the lens",
-          who, fault.value, evidence);
-    case FaultKind::kShift: {
-      const bool right = fault.value > 0;
-      const double centre = right ? 0 : 0.5;
-      return fmt::format(
-          "{}: one volume fits the pictures where principal points are half a pixel further to the "
-          "{}, least at {:+.2f} pixels {}: {}",
-          who, right ? "right and down" : "left and up", fault.value, evidence,
-          centre != pixelCentre
-              ? fmt::format("is the centre of the first pixel at {}, not at {}?", centre,
-                            pixelCentre)
-              : "was the calibration made with other pictures, or are they cropped?");
-    }
-    case FaultKind::kChannels:
-      return fmt::format("{}: {}, against the others: put in order its pictures fit {}", who,
-                         orderText(fault.value), evidence);
-    case FaultKind::kBox:
-      if (fault.value < 0.1)
-        return fmt::format(
-            "the volume's bounds seem to cut what the cameras see: bounds half as large again on "
-            "each side explain the pictures {}; enlarge them",
-            evidence);
-      return fmt::format(
-          "the volume's bounds cut what the cameras see: up to {:.0f} % of a camera's light lies "
-          "outside, and bounds half as large again on each side explain the pictures {}; enlarge "
-          "them",
-          100 * fault.value, evidence);
-  }
-  return {};
-}
 
 /// One after the other.
 Result<std::vector<CaptureFault>> foundBy(FaultSearch& search, const Views& views,
@@ -954,7 +562,7 @@ Result<std::vector<CaptureFault>> foundBy(FaultSearch& search, const Views& view
     });
     if (again)
       break;
-    fault->text = describe(*fault, views, pixelCentre);
+    fault->text = describeFault(*fault, views, pixelCentre);
     const bool last = fault->kind == FaultKind::kBox || fault->kind == FaultKind::kShift;
     if (!last)
       search.mend(*fault);
@@ -963,11 +571,21 @@ Result<std::vector<CaptureFault>> foundBy(FaultSearch& search, const Views& view
       return faults;
   }
   while (2 * faults.size() < views.size()) {
-    VOLUTE_ASSIGN(auto fault, search.otherOrder());
+    VOLUTE_ASSIGN(auto fault, search.otherColours());
     if (!fault)
       break;
-    fault->text = describe(*fault, views, pixelCentre);
     search.mend(*fault);
+    // What grey pictures showed of it was a gain.
+    const auto part = std::ranges::find_if(faults, [&](const CaptureFault& before) {
+      return fault->kind == FaultKind::kBalance && before.cameras == fault->cameras &&
+             (before.kind == FaultKind::kGain || before.kind == FaultKind::kBalance);
+    });
+    if (part != faults.end()) {
+      fault->factors *= part->kind == FaultKind::kGain ? Rgb::Constant(part->value) : part->factors;
+      fault->before = std::max(fault->before, part->before);
+      faults.erase(part);
+    }
+    fault->text = describeFault(*fault, views, pixelCentre);
     faults.push_back(std::move(*fault));
   }
   return faults;
@@ -993,36 +611,11 @@ Result<std::vector<CaptureFault>> findPictureFaults(const std::vector<Tomography
 Result<bool> hasCaptureFault(const CaptureFault& fault, const std::vector<TomographyView>& views,
                              std::span<const double> white, const VolumeGeometry& geometry,
                              Progress& progress) {
-  return FaultSearch(views, white, geometry, false, progress).isBetterWithout(fault);
-}
-
-std::string describeInFrames(const CaptureFault& fault, const std::vector<TomographyView>& views,
-                             std::span<const int> frames) {
-  const auto what = [&]() -> std::string {
-    switch (fault.kind) {
-      case FaultKind::kMirrored:
-        return "mirrored";
-      case FaultKind::kFlipped:
-        return "flipped";
-      case FaultKind::kUpsideDown:
-        return "upside down";
-      case FaultKind::kExchanged:
-        return "exchanged";
-      case FaultKind::kGain:
-        return fmt::format("{:.0f} % too {}: its radiance times {:.3g} fits the others",
-                           100 * std::abs(1 / fault.value - 1), fault.value < 1 ? "bright" : "dark",
-                           fault.value);
-      case FaultKind::kChannels:
-        return orderText(fault.value);
-      default:
-        return "does not fit the others";
-    }
-  };
-  return fmt::format(
-      "{}, frame{} {} alone: {} (what is left of the pictures: {:.0f} % instead of {:.0f} %); mend "
-      "these pictures, or take them away: the camera then does not count there",
-      namesOf(fault, views), frames.size() == 1 ? "" : "s", fmt::join(frames, ", "), what(),
-      100 * fault.after, 100 * fault.before);
+  const FaultLevel coarse = coarseLevel(views, geometry);
+  VOLUTE_ASSIGN(const Explanation before, coarse.explain(coarse.as(fault.kind), progress));
+  VOLUTE_ASSIGN(const Explanation after,
+                coarse.explain(coarse.without(hypothesisOf(fault), white), progress));
+  return after.all < before.all;
 }
 
 }  // namespace volute

@@ -8,6 +8,7 @@
 
 #include "volute/base/progress.hpp"
 #include "volute/base/result.hpp"
+#include "volute/math/vec.hpp"
 #include "volute/tomography/view.hpp"
 
 namespace volute {
@@ -18,25 +19,30 @@ struct CaptureFault {
     kMirrored,    ///< left and right
     kFlipped,     ///< above and below
     kUpsideDown,  ///< turned by half a turn
-    kExchanged,   ///< two cameras' pictures, or calibrations
-    kEncoded,     ///< stored as sRGB and taken as linear
-    kDecoded,     ///< stored linearly and taken as sRGB
-    kExponent,    ///< stored by another curve: its light to a power
-    kGain,        ///< brighter or darker than the others by a factor
-    kZoom,        ///< of another focal length by much
-    kLens,        ///< of a lens that bends much more, or less, than the calibration has it
-    kShift,       ///< all principal points about half a pixel off
-    kChannels,    ///< red, green and blue in another order than the others'
-    kBox,         ///< the volume's bounds cut what is seen
+    kTurnedLeft,  ///< turned by a quarter, counterclockwise
+    kTurnedRight,
+    kExchanged,  ///< two cameras' pictures, or calibrations
+    kOrder,      ///< all cameras' pictures, or calibrations, in another order
+    kEncoded,    ///< stored as sRGB and taken as linear
+    kDecoded,    ///< stored linearly and taken as sRGB
+    kExponent,   ///< stored by another curve: its light to a power
+    kGain,       ///< brighter or darker than the others by a factor
+    kZoom,       ///< of another focal length by much
+    kLens,       ///< of a lens that bends much more, or less, than the calibration has it
+    kShift,      ///< all principal points about half a pixel off
+    kChannels,   ///< red, green and blue in another order than the others'
+    kBalance,    ///< red, green and blue brighter or darker than the others', each by a factor
+    kBox,        ///< the volume's bounds cut what is seen
   };
 
   Kind kind = Kind::kMirrored;
   std::vector<std::size_t> cameras;  ///< positions among the views; empty: all of them
   double value = 1;                  ///< kGain, kZoom: the factor that mends it; kExponent; kLens:
                                      ///< what is added to k1; kShift: pixels to the right and
-                                     ///< down; kChannels: which order
+                                     ///< down; kChannels, kOrder: which order
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
+  Rgb factors = Rgb::Ones();         ///< kBalance: on red, green and blue, that mend it
 };
 
 /// Each mistake is one hypothesis among all. Where no coarse volume explains the pictures, all are
@@ -46,8 +52,8 @@ struct CaptureFault {
 /// both, and clearly better than the others, is named; then the next is looked for. While the
 /// bounds cut much of the light nothing else is told. Nothing for pictures that agree, for fewer
 /// than four views, and where nothing that is tried explains them. Only cameras that stand out most
-/// are tried; exchanges need pictures of one size. Orders of channels are looked for last, in
-/// colour.
+/// are tried; exchanges need pictures of one size. What is wrong with
+/// colours is looked for last.
 /// @param white  one a view: the radiance of a stored value of 1; empty where views do not hold
 ///   light: responses are then not tried.
 /// @param pixelCentre  where the calibration has the centre of the first pixel, for the sentence
@@ -56,8 +62,8 @@ struct CaptureFault {
     const VolumeGeometry& geometry, Progress& progress, double pixelCentre = 0.5);
 
 /// Mistakes of the kinds that one picture of some cameras can have by itself: turned, exchanged,
-/// brighter or darker, channels in another order. For frames beside that which findCaptureFaults()
-/// was asked about.
+/// brighter or darker, also by channel, channels in another order. For frames beside that which
+/// findCaptureFaults() was asked about.
 [[nodiscard]] Result<std::vector<CaptureFault>> findPictureFaults(
     const std::vector<TomographyView>& views, const VolumeGeometry& geometry, Progress& progress);
 
@@ -67,6 +73,12 @@ struct CaptureFault {
                                            const std::vector<TomographyView>& views,
                                            std::span<const double> white,
                                            const VolumeGeometry& geometry, Progress& progress);
+
+/// The sentence on a mistake.
+/// @param pixelCentre  as above
+[[nodiscard]] std::string describeFault(const CaptureFault& fault,
+                                        const std::vector<TomographyView>& views,
+                                        double pixelCentre);
 
 /// The sentence on a mistake that is in these frames alone.
 [[nodiscard]] std::string describeInFrames(const CaptureFault& fault,

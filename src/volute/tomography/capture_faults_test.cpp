@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -12,6 +13,7 @@
 
 #include "volute/image/srgb.hpp"
 #include "volute/tomography/camera_correction.hpp"
+#include "volute/tomography/fault_level.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -90,6 +92,14 @@ INSTANTIATE_TEST_SUITE_P(
         Injected{"Flipped", Kind::kFlipped, {1}, [](Views& v, double) { turn(v[1], false, true); }},
         Injected{
             "UpsideDown", Kind::kUpsideDown, {4}, [](Views& v, double) { turn(v[4], true, true); }},
+        Injected{"OtherOrder",
+                 Kind::kOrder,
+                 {},
+                 [](Views& v, double) {
+                   const Image first = v[0].radiance;
+                   for (std::size_t i = 0; i + 1 < v.size(); ++i) v[i].radiance = v[i + 1].radiance;
+                   v.back().radiance = first;
+                 }},
         Injected{"HalfExposure",
                  Kind::kGain,
                  {2},
@@ -176,6 +186,51 @@ TEST(CaptureFaults, HalfAPixelInAllCamerasIsToldByItsName) {
               std::string::npos)
         << faults[0].text;
   }
+}
+
+/// Counterclockwise.
+void turnLeft(TomographyView& view) {
+  const Image before = view.radiance;
+  for (int y = 0; y < before.height; ++y)
+    for (int x = 0; x < before.width; ++x)
+      for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = before.at(before.width - 1 - y, x, c);
+}
+
+TEST(CaptureFaults, QuarterTurnsOfSquaresAreToldByTheirNames) {
+  TestScene scene(6, 0, 0, 28, 28);
+  scene.geometry.resolution = {14, 14, 14};
+  for (const bool all : {false, true}) {
+    for (const int quarters : {1, 3}) {
+      Views views = scene.views;
+      for (std::size_t v = 0; v < views.size(); ++v) {
+        for (int i = 0; (all || v == 2) && i < quarters; ++i) turnLeft(views[v]);
+      }
+      const auto faults = faultsOf(scene, views, brightestOf(views));
+      ASSERT_EQ(faults.size(), 1U);
+      EXPECT_EQ(faults[0].kind, quarters == 1 ? Kind::kTurnedLeft : Kind::kTurnedRight)
+          << faults[0].text;
+      EXPECT_EQ(faults[0].cameras.empty(), all);
+    }
+  }
+}
+
+TEST(CaptureFaults, TheWhiteBalanceOfACameraIsMeasured) {
+  const TestScene scene = smallScene(6);
+  Views views = scene.views;
+  for (std::size_t i = 0; i < views[3].radiance.pixels.size(); ++i)
+    views[3].radiance.pixels[i] *= std::array{1.0F, 0.7F, 1.4F}[i % 3];
+  const auto faults = faultsOf(scene, views, brightestOf(views));
+  ASSERT_EQ(faults.size(), 1U);
+  EXPECT_EQ(faults[0].kind, Kind::kBalance) << faults[0].text;
+  EXPECT_EQ(faults[0].cameras, std::vector<std::size_t>{3});
+  EXPECT_NEAR(faults[0].factors[0], 1, 0.02);
+  EXPECT_NEAR(faults[0].factors[1], 1 / 0.7, 0.03);
+  EXPECT_NEAR(faults[0].factors[2], 1 / 1.4, 0.02);
+}
+
+TEST(CaptureFaults, TheOrderOfDigitsIsOfNumbersFromTen) {
+  EXPECT_EQ(cameraOrder(0, 3), (std::vector<std::size_t>{1, 2, 0}));
+  EXPECT_EQ(cameraOrder(3, 12), (std::vector<std::size_t>{0, 1, 10, 11, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
 TEST(CaptureFaults, AnotherOrderOfChannelsIsToldByItsName) {

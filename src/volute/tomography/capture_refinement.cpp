@@ -79,8 +79,8 @@ bool pays(const CaptureRefinement& refinement) {
 /// Whether a mistake is a number that refinement has, if far off.
 bool refinementMends(const CaptureFault& fault) {
   return !fault.cameras.empty() &&
-         (fault.kind == CaptureFault::Kind::kGain || fault.kind == CaptureFault::Kind::kZoom ||
-          fault.kind == CaptureFault::Kind::kLens);
+         (fault.kind == CaptureFault::Kind::kGain || fault.kind == CaptureFault::Kind::kBalance ||
+          fault.kind == CaptureFault::Kind::kZoom || fault.kind == CaptureFault::Kind::kLens);
 }
 
 using Frames = std::vector<std::vector<TomographyView>>;
@@ -500,6 +500,8 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
       CaptureCamera& known = result.capture.cameras[*findCamera(capture, seen[fault.cameras[0]])];
       if (fault.kind == CaptureFault::Kind::kGain)
         known.pictures.gain *= fault.value;
+      else if (fault.kind == CaptureFault::Kind::kBalance)
+        known.pictures.channelGain *= fault.factors;
       else
         known.camera =
             corrected(known.camera, fault.kind == CaptureFault::Kind::kLens ? lensBy(fault.value)
