@@ -52,6 +52,8 @@ struct PictureSource {
   double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
                                      ///< that cancels out, on its optical depths
   Rgb channelGain = Rgb::Ones();     ///< the same for each channel, besides `gain`
+  bool gainByFrame = false;          ///< besides, each frame has a gain of its own, which what the
+                                     ///< other cameras predict tells (auto exposure); kEmission
   double exponent = 1;               ///< a power of the linear values, 1 = white, before white
                                      ///< and gain: mends a response that is nearly right
   /// Of integers and films; floats (.exr, .pfm, some .tif and .npy) are linear. Without it what

@@ -114,18 +114,19 @@ Result<double> readBlack(const JsonValue& value) {
   return black;
 }
 
+Result<bool> readFlag(const JsonValue& value) {
+  if (!value.json().is_boolean())
+    return value.fault("expected true or false");
+  return value.json().get<bool>();
+}
+
 /// How values are stored, of all cameras or of one.
 Status readStoring(const JsonValue& value, PictureSource& pictures) {
   VOLUTE_TRY(readIfThere(value, "color", pictures.response, readResponse));
   VOLUTE_TRY(readIfThere(value, "saturation", pictures.saturation, readPositive));
   VOLUTE_TRY(readIfThere(value, "bits", pictures.bits, readBits));
   VOLUTE_TRY(readIfThere(value, "black", pictures.black, readBlack));
-  if (const auto bottomUp = value.find("bottom_up")) {
-    if (!bottomUp->json().is_boolean())
-      return bottomUp->fault("expected true or false");
-    pictures.bottomUp = bottomUp->json().get<bool>();
-  }
-  return {};
+  return readIfThere(value, "bottom_up", pictures.bottomUp, readFlag);
 }
 
 Result<double> readRate(const JsonValue& value) {
@@ -253,6 +254,7 @@ class CameraReader {
     } else if (gain) {
       VOLUTE_ASSIGN(pictures.gain, readPositive(*gain));
     }
+    VOLUTE_TRY(readIfThere(value_, "gain_by_frame", pictures.gainByFrame, readFlag));
     if (const auto exposure = value_.find("exposure")) {
       VOLUTE_ASSIGN(pictures.exposure, readPositive(*exposure));
     }
@@ -407,18 +409,32 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
   for (const JsonValue& camera : cameras) {
     VOLUTE_ASSIGN(auto read, CameraReader(camera, folder, written, defaults).read());
     draft.cameras.push_back(std::move(read));
-    remarkUnknown(camera, {"name",        "image",
-                           "width",       "height",
-                           "K",           "R",
-                           "t",           "distortion",
-                           "background",  "mask",
-                           "gain",        "exposure",
-                           "exponent",    "reprojection_error",
-                           "video",       "video_start",
-                           "start_time",  "frames_per_second",
-                           "frame_shift", "color",
-                           "saturation",  "bits",
-                           "black",       "bottom_up"},
+    remarkUnknown(camera,
+                  {"name",
+                   "image",
+                   "width",
+                   "height",
+                   "K",
+                   "R",
+                   "t",
+                   "distortion",
+                   "background",
+                   "mask",
+                   "gain",
+                   "exposure",
+                   "exponent",
+                   "reprojection_error",
+                   "video",
+                   "video_start",
+                   "start_time",
+                   "frames_per_second",
+                   "frame_shift",
+                   "color",
+                   "saturation",
+                   "bits",
+                   "black",
+                   "bottom_up",
+                   "gain_by_frame"},
                   draft);
     remarkUnknownOfColor(camera, draft);
   }

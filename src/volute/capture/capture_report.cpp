@@ -46,6 +46,8 @@ std::string readingText(const CaptureCamera& camera, bool& missing) {
     text += ", " + pictures.response->name();
   add("exposure", pictures.exposure, 1);
   add("gain", pictures.gain, 1);
+  if (pictures.gainByFrame)
+    text += ", a gain by frame";
   if ((pictures.channelGain != 1).any())
     text += ", gains " + vectorText(Vec3(pictures.channelGain.matrix()));
   add("exponent", pictures.exponent, 1);

@@ -91,6 +91,8 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["gain"] = jsonOf(Vec3((pictures.gain * pictures.channelGain).matrix()));
   else if (pictures.gain != 1)
     json["gain"] = pictures.gain;
+  if (pictures.gainByFrame)
+    json["gain_by_frame"] = true;
   if (pictures.exposure != 1)
     json["exposure"] = pictures.exposure;
   if (pictures.exponent != 1)

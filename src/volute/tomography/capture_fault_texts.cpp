@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -151,6 +152,25 @@ std::string describeFault(const CaptureFault& fault, const Views& views, double 
           100 * fault.value, evidence);
   }
   return {};
+}
+
+std::string describeGains(const std::string& camera, std::span<const int> frames,
+                          std::span<const double> gains) {
+  constexpr double kOff = 1.1;
+  std::vector<double> sorted(gains.begin(), gains.end());
+  std::ranges::sort(sorted);
+  const double usual = sorted[sorted.size() / 2];
+  std::vector<std::string> off, all;
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    all.push_back(fmt::format("{:.3g} in frame {}", gains[f], frames[f]));
+    if (gains[f] > kOff * usual || gains[f] < usual / kOff)
+      off.push_back(all.back());
+  }
+  const bool few = 3 * off.size() <= frames.size();
+  return fmt::format(
+      "camera {}: not as bright in all frames: its radiance times {}{} fits the others (auto "
+      "exposure?); set its \"gain_by_frame\"",
+      camera, fmt::join(few ? off : all, ", "), few ? fmt::format(" and {:.3g} else", usual) : "");
 }
 
 std::string describeInFrames(const CaptureFault& fault, const std::vector<TomographyView>& views,

@@ -133,8 +133,8 @@ class FaultSearch {
       VOLUTE_ASSIGN(const Explanation after,
                     coarse_.explain(coarse_.without(*colours, white_), progress_));
       if (after.all < (best ? best->after : kBetter * now.all))
-        best = CaptureFault{colours->kind, {v}, colours->value,  now.all,
-                            after.all,     {},  colours->factors};
+        best = CaptureFault{colours->kind, {v}, colours->value, now.all,
+                            after.all,     {},  false,          colours->factors};
     }
     return best;
   }
@@ -474,7 +474,11 @@ class FaultSearch {
       // Noise that is cut off at black is no curve.
       const bool ofNoise = isResponse(one.kind) && one.cameras.empty() &&
                            !(found.lit < barOf(one).fitted * now.lit && now.lit > kMinLeft);
-      if (ofNoise)
+      // Nor what explains little: two mistakes of single cameras leave less by it, too.
+      constexpr double kMuchUnexplained = 0.12;
+      const bool ofOthers =
+          isResponse(one.kind) && one.cameras.empty() && found.all > kMuchUnexplained;
+      if (ofNoise || ofOthers)
         over.back() = std::numeric_limits<double>::infinity();
       if (one.kind == FaultKind::kShift)
         squares.push_back(found.all * found.all);
@@ -606,6 +610,16 @@ Result<std::vector<CaptureFault>> findPictureFaults(const std::vector<Tomography
                                                     Progress& progress) {
   FaultSearch search(views, {}, geometry, true, progress);
   return foundBy(search, views, 0.5);
+}
+
+Result<double> gainByOthers(const TomographyView& view, std::vector<TomographyView> others,
+                            const VolumeGeometry& geometry, const Progress& progress) {
+  others.push_back(view);
+  const FaultLevel coarse = coarseLevel(others, geometry);
+  Views known = coarse.views();
+  known.pop_back();
+  VOLUTE_ASSIGN(const auto volume, coarse.fitted(known, coarse.geometry(), progress));
+  return coarse.matched(coarse.views().back(), volume).gain;
 }
 
 Result<bool> hasCaptureFault(const CaptureFault& fault, const std::vector<TomographyView>& views,

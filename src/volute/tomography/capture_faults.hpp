@@ -42,6 +42,7 @@ struct CaptureFault {
                                      ///< down; kChannels, kOrder: which order
   double before = 0, after = 0;      ///< misfit of the views, as matchOf() has it, root mean square
   std::string text;                  ///< for people: what it is, the evidence, what to do
+  bool byFrame = false;              ///< kGain: in each frame another one
   Rgb factors = Rgb::Ones();         ///< kBalance: on red, green and blue, that mend it
 };
 
@@ -73,6 +74,17 @@ struct CaptureFault {
                                            const std::vector<TomographyView>& views,
                                            std::span<const double> white,
                                            const VolumeGeometry& geometry, Progress& progress);
+
+/// The factor on a view's light that fits what others predict, on coarse voxels; 1 where these have
+/// no volume in common.
+[[nodiscard]] Result<double> gainByOthers(const TomographyView& view,
+                                          std::vector<TomographyView> others,
+                                          const VolumeGeometry& geometry, const Progress& progress);
+
+/// The sentence on a gain that is not the same in all frames.
+/// @param frames, gains  those that were looked at
+[[nodiscard]] std::string describeGains(const std::string& camera, std::span<const int> frames,
+                                        std::span<const double> gains);
 
 /// The sentence on a mistake.
 /// @param pixelCentre  as above

@@ -391,6 +391,19 @@ TEST(CaptureFaults, TwoAreNamedOneAfterTheOther) {
                                                            : std::vector<std::size_t>({0, 2}));
 }
 
+TEST(CaptureFaults, TwoOfSingleCamerasAreNoCurveOfAll) {
+  for (const double phase : {0.0, 1.0, 2.0}) {
+    const TestScene scene = smallScene(6, 0, phase);
+    Views views = scene.views;
+    for (float& value : views[1].radiance.pixels) value *= 0.6F;
+    CameraCorrection correction;
+    correction.values[CameraCorrection::kPrincipal] = 3;
+    views[4].camera = *corrected(views[4].camera, correction);
+    for (const CaptureFault& fault : faultsOf(scene, views, brightestOf(views)))
+      EXPECT_FALSE(fault.cameras.empty()) << fault.text;
+  }
+}
+
 TEST(CaptureFaults, CleanPicturesHaveNone) {
   for (const int cameras : {4, 5, 8}) {
     for (const double noise : {0.0, 0.05}) {

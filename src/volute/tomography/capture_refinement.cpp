@@ -158,6 +158,11 @@ class Refiner {
     std::vector<FramesFault> some;
     std::vector<CaptureFault> common;
     for (CaptureFault& fault : found) {
+      if (isGainOfLight(fault)) {
+        VOLUTE_TRY(compareGains(fault));
+        common.push_back(std::move(fault));
+        continue;
+      }
       FramesFault one{std::move(fault), {middle}};
       for (std::size_t f = 0; f < frames_.size() && !one.fault.cameras.empty(); ++f) {
         if (f == middle)
@@ -175,8 +180,10 @@ class Refiner {
       else
         some.push_back(std::move(one));
     }
-    if (common.empty())
+    if (common.empty()) {
       VOLUTE_TRY(findOwnFaults(middle, some));
+      VOLUTE_TRY(moveGains(some, common));
+    }
     for (FramesFault& one : some) {
       std::ranges::sort(one.frames);
       std::vector<int> numbers;
@@ -226,6 +233,43 @@ class Refiner {
         white.push_back(capture_.white * known(view.name).pictures.lightGain());
     }
     return white;
+  }
+
+  bool isGainOfLight(const CaptureFault& fault) const {
+    return fault.kind == CaptureFault::Kind::kGain && !frames_[0][fault.cameras[0]].opticalDepth;
+  }
+
+  /// Whether the gain of a camera is another one in other frames.
+  Status compareGains(CaptureFault& fault) const {
+    constexpr double kSteady = 1.2;
+    const std::size_t camera = fault.cameras[0];
+    std::vector<double> gains;
+    for (const auto& views : frames_) {
+      std::vector<TomographyView> others = views;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(camera));
+      VOLUTE_ASSIGN(const double gain,
+                    gainByOthers(views[camera], std::move(others), geometry(), progress_));
+      gains.push_back(gain);
+    }
+    const auto [least, most] = std::ranges::minmax(gains);
+    fault.byFrame = most > kSteady * least;
+    if (fault.byFrame)
+      fault.text = describeGains(frames_[0][camera].name, numbers_, gains);
+    return {};
+  }
+
+  /// Gains of some frames are gains of all, as large or each another one.
+  Status moveGains(std::vector<FramesFault>& some, std::vector<CaptureFault>& common) const {
+    for (FramesFault& one : some) {
+      const bool known = std::ranges::any_of(
+          common, [&](const CaptureFault& other) { return other.cameras == one.fault.cameras; });
+      if (!isGainOfLight(one.fault) || known)
+        continue;
+      VOLUTE_TRY(compareGains(one.fault));
+      common.push_back(one.fault);
+    }
+    std::erase_if(some, [&](const FramesFault& one) { return isGainOfLight(one.fault); });
+    return {};
   }
 
   /// Mistakes of the frames beside the middle one, added to those of its own.
@@ -498,7 +542,9 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
       if (!refinementMends(fault))
         continue;
       CaptureCamera& known = result.capture.cameras[*findCamera(capture, seen[fault.cameras[0]])];
-      if (fault.kind == CaptureFault::Kind::kGain)
+      if (fault.byFrame)
+        known.pictures.gainByFrame = true;
+      else if (fault.kind == CaptureFault::Kind::kGain)
         known.pictures.gain *= fault.value;
       else if (fault.kind == CaptureFault::Kind::kBalance)
         known.pictures.channelGain *= fault.factors;

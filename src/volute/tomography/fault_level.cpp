@@ -163,7 +163,8 @@ Views without(const Views& views, std::span<const double> white, const FaultHypo
         break;
       case FaultKind::kBalance:
         for (std::size_t i = 0; i < mended[v].radiance.pixels.size(); ++i)
-          mended[v].radiance.pixels[i] *= static_cast<float>(factors[static_cast<Eigen::Index>(i % 3)]);
+          mended[v].radiance.pixels[i] *=
+              static_cast<float>(factors[static_cast<Eigen::Index>(i % 3)]);
         break;
       case FaultKind::kExchanged:
       case FaultKind::kOrder:
@@ -200,7 +201,8 @@ bool isResponse(FaultKind kind) {
   return kind == FaultKind::kEncoded || kind == FaultKind::kDecoded || kind == FaultKind::kExponent;
 }
 
-FaultLevel::FaultLevel(const Views& views, const VolumeGeometry& geometry, int longest, int iterations, bool hull)
+FaultLevel::FaultLevel(const Views& views, const VolumeGeometry& geometry, int longest,
+                       int iterations, bool hull)
     : geometry_(coarserGeometry(
           geometry, std::max(1, (hull ? std::ranges::max(geometry.resolution) + longest - 1
                                       : std::ranges::max(geometry.resolution)) /
@@ -232,7 +234,7 @@ void FaultLevel::mend(const FaultHypothesis& fault, std::span<const double> whit
 }
 
 Result<std::vector<float>> FaultLevel::fitted(const Views& views, const VolumeGeometry& geometry,
-                                  const Progress& progress) const {
+                                              const Progress& progress) const {
   if (progress.cancelled())
     return fail(ErrorCode::kCancelled, "Stopped");
   Progress quiet;
@@ -245,7 +247,7 @@ Result<std::vector<float>> FaultLevel::fitted(const Views& views, const VolumeGe
 }
 
 ViewMatch FaultLevel::matched(const TomographyView& view, const std::vector<float>& volume,
-                  const VolumeGeometry& geometry) const {
+                              const VolumeGeometry& geometry) const {
   if (volume.empty())
     return {.residual = 1, .gain = 1, .misfit = 1, .unresolved = 0};
   return matchOf(view, projectVolume(volume, geometry, options_.basis, view.camera, 1), geometry_,
@@ -277,7 +279,7 @@ std::optional<Rgb> FaultLevel::balanceOf(const TomographyView& view,
 }
 
 Result<Explanation> FaultLevel::explain(const Views& views, const VolumeGeometry& geometry,
-                            const Progress& progress) const {
+                                        const Progress& progress) const {
   VOLUTE_ASSIGN(const auto volume, fitted(views, geometry, progress));
   constexpr double kMinUnexplained = 0.05;  // of a view; below, little is looked for
   constexpr double kTimesResolved = 1.3;
@@ -322,13 +324,14 @@ Result<Explanation> FaultLevel::explain(const Views& views, const Progress& prog
   return explain(views, geometry_, progress);
 }
 
-Result<double> FaultLevel::heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
-                       const Progress& progress) const {
+Result<double> FaultLevel::heldOut(const Views& views, const std::vector<std::size_t>& cameras,
+                                   bool together, const Progress& progress) const {
   return heldOut(views, cameras, together, geometry_, progress);
 }
 
-Result<double> FaultLevel::heldOut(const Views& views, const std::vector<std::size_t>& cameras, bool together,
-                       const VolumeGeometry& geometry, const Progress& progress) const {
+Result<double> FaultLevel::heldOut(const Views& views, const std::vector<std::size_t>& cameras,
+                                   bool together, const VolumeGeometry& geometry,
+                                   const Progress& progress) const {
   double squares = 0;
   std::vector<float> volume;
   for (const std::size_t v : cameras) {

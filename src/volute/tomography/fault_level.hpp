@@ -28,8 +28,8 @@ struct FaultHypothesis {
 inline constexpr std::array<std::array<int, 3>, 6> kChannelOrders{
     {{0, 1, 2}, {2, 1, 0}, {1, 0, 2}, {0, 2, 1}, {1, 2, 0}, {2, 0, 1}}};
 
-/// Orders that cameras are mistaken for, besides two that are exchanged: the next, the previous, the
-/// reverse one, and that of the digits of their numbers (0, 1, 10, 11, 2).
+/// Orders that cameras are mistaken for, besides two that are exchanged: the next, the previous,
+/// the reverse one, and that of the digits of their numbers (0, 1, 10, 11, 2).
 inline constexpr int kCameraOrders = 4;
 
 /// Whose calibration each of n cameras' pictures fit.

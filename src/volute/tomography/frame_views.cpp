@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "volute/tomography/capture_faults.hpp"
+
 namespace volute {
 
 namespace {
@@ -115,6 +117,7 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->litBackgroundSaturated,
                picture->transparentMask,
                picture->channelLimits,
+               1,
                picture->counts,
                picture->dividedIntegers};
     }
@@ -134,9 +137,33 @@ Result<FrameViews> ViewReader::read(int frame) {
     greyAmongColours_[i] = storedInColour || (!allGrey && result.facts[i].grey) ? 1 : 0;
     result.views[i].grey = greyAmongColours_[i] != 0;
   }
+  VOLUTE_TRY(findGains(result));
   if (std::ranges::find(heldOut_, 1) != heldOut_.end())
     result.chosen = result.fittedWithout(result.views.size());
   return result;
+}
+
+Status ViewReader::findGains(FrameViews& frame) const {
+  constexpr std::size_t kFewest = 2;
+  const auto isByFrame = [&](std::size_t v) {
+    return capture_->cameras[v].pictures.gainByFrame && !frame.opticalDepth &&
+           !frame.facts[v].missing;
+  };
+  std::vector<TomographyView> others;
+  for (std::size_t v = 0; v < frame.views.size(); ++v) {
+    if (!isByFrame(v) && heldOut_[v] == 0 && !frame.facts[v].missing)
+      others.push_back(frame.views[v]);
+  }
+  for (std::size_t v = 0; v < frame.views.size(); ++v) {
+    if (!isByFrame(v) || others.size() < kFewest)
+      continue;
+    const VolumeGeometry geometry{capture_->volume.bounds, capture_->volume.resolution};
+    VOLUTE_ASSIGN(const double gain, gainByOthers(frame.views[v], others, geometry, Progress()));
+    for (float& light : frame.views[v].radiance.pixels) light *= static_cast<float>(gain);
+    frame.facts[v].gain = gain;
+    frame.facts[v].brightest *= gain;
+  }
+  return {};
 }
 
 std::optional<TomographyView> ViewReader::neighbour(std::size_t camera, int frame) {

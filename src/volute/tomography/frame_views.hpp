@@ -29,6 +29,7 @@ struct PictureFacts {
   double litBackgroundSaturated = 0;  ///< of absorption: shares as CameraPicture has them
   double transparentMask = 0;
   std::optional<std::array<double, 3>> channelLimits{};
+  double gain = 1;    ///< of this frame, where that is found for each
   double counts = 0;  ///< floats, as CameraPicture has them
   bool dividedIntegers = false;
 };
@@ -66,7 +67,8 @@ class ViewReader {
   /// Views have their backgrounds from now on.
   void keepBackgrounds() { keepsBackgrounds_ = true; }
 
-  /// One camera at any frame, one of the capture or not; nothing when there is no such picture.
+  /// One camera at any frame, one of the capture or not; nothing when there is no such picture. It
+  /// has no gain by frame.
   std::optional<TomographyView> neighbour(std::size_t camera, int frame);
 
   /// One a camera.
@@ -80,6 +82,9 @@ class ViewReader {
         greyAmongColours_(heldOut_.size()) {}
 
   TomographyView viewOf(std::size_t camera, CameraPicture picture) const;
+
+  /// Makes cameras that have a gain by frame as bright as the others predict.
+  Status findGains(FrameViews& frame) const;
 
   const Capture* capture_;
   CaptureImages images_;
