@@ -73,7 +73,7 @@ Result<Settings> settingsOf(std::size_t count, const unsigned* values) {
   return settings;
 }
 
-/// A folder for the file of one chunk.
+/// A folder for the file that a chunk becomes.
 class ChunkFolder {
  public:
   ChunkFolder() {
@@ -177,11 +177,8 @@ Put putterOf(NumberKind kind) {
 Status decodeTo(char* to, const Settings& settings, const void* chunk, std::size_t bytes) {
   const VolumeInfo expected = settings.info();
   const Put putter = putterOf(settings.type.kind);
-  const ChunkFolder folder;
-  VOLUTE_ASSIGN(const auto file, folder.file());
-  std::ofstream(file, std::ios::binary)
-      .write(static_cast<const char*>(chunk), static_cast<std::streamsize>(bytes));
-  VOLUTE_ASSIGN(auto opened, VoluteReader::open(file, {.differences = Offsets::kAll}));
+  auto file = InputFile::ofBytes({static_cast<const std::byte*>(chunk), bytes}, "a chunk");
+  VOLUTE_ASSIGN(auto opened, VoluteReader::open(std::move(file), {.differences = Offsets::kAll}));
   const auto reader = std::make_shared<const VoluteReader>(std::move(opened));
   const VolumeInfo& info = reader->info();
   if (!putter || info.frames != expected.frames || info.z != expected.z || info.y != expected.y ||

@@ -6,7 +6,7 @@
     file.create_dataset("soot", data=array, chunks=(16, 64, 64, 64), **volute.hdf5.Volute(max_error=1e-3))
 
 Whoever reads such a file needs the filter: this import, or the folder volute.hdf5.FOLDER in the variable HDF5_PLUGIN_PATH (h5dump and
-other programs). Chunks of 16 frames and 32 voxels or more a side compress best; axes before the last three are put in a row. A chunk is a
+other programs); the command volute has it. Chunks of 16 frames and 32 voxels or more a side compress best; axes before the last three are put in a row. A chunk is a
 whole .volute file. Floats of 32 and 64 bits and integers of up to 32 bits are taken; chunks with values that are not finite, and of float64 that
 do not fit the error asked for, are kept as they are, without loss. The filter's number, 473, is of those that HDF5 leaves to everybody."""
 import collections.abc

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
@@ -133,6 +134,12 @@ Status InputFile::spool(const std::string& path) {
   return {};
 }
 
+InputFile InputFile::ofBytes(std::span<const std::byte> bytes, const std::string& name) {
+  InputFile file(-1, bytes.size(), name);
+  file.bytes_ = bytes.data();
+  return file;
+}
+
 Status InputFile::check(const std::filesystem::path& path) {
   VOLUTE_TRY(open(path));
   return {};
@@ -146,16 +153,24 @@ InputFile::~InputFile() {
 InputFile::InputFile(InputFile&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       size_(other.size_),
-      path_(std::move(other.path_)) {}
+      path_(std::move(other.path_)),
+      bytes_(other.bytes_) {}
 
 InputFile& InputFile::operator=(InputFile&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
   std::swap(size_, other.size_);
   std::swap(path_, other.path_);
+  std::swap(bytes_, other.bytes_);
   return *this;
 }
 
 Status InputFile::read(std::uint64_t offset, std::span<std::byte> bytes) const {
+  if (bytes_ && offset <= size_ && bytes.size() <= size_ - offset) {
+    std::copy_n(bytes_ + offset, bytes.size(), bytes.begin());
+    return {};
+  }
+  if (bytes_)
+    return fail(ErrorCode::kTruncated, "{}: ends at byte {}", path_.string(), size_);
   while (!bytes.empty()) {
     const ssize_t count =
         ::pread(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));

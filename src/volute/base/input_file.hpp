@@ -23,6 +23,10 @@ class InputFile {
   /// once.
   [[nodiscard]] static Result<InputFile> open(const std::filesystem::path& path);
 
+  /// Bytes that are no file; they must outlive it.
+  /// @param name  for messages
+  static InputFile ofBytes(std::span<const std::byte> bytes, const std::string& name);
+
   ~InputFile();
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
@@ -49,6 +53,7 @@ class InputFile {
   int descriptor_ = -1;
   std::uint64_t size_ = 0;
   std::filesystem::path path_;
+  const std::byte* bytes_ = nullptr;  // instead of a descriptor
 };
 
 }  // namespace volute

@@ -499,10 +499,14 @@ VoluteReader::~VoluteReader() = default;
 
 Result<VoluteReader> VoluteReader::open(const std::filesystem::path& path, const Options& options) {
   VOLUTE_ASSIGN(InputFile file, InputFile::open(path));
+  return open(std::move(file), options);
+}
+
+Result<VoluteReader> VoluteReader::open(InputFile file, const Options& options) {
   VOLUTE_ASSIGN(FileHead head, readHead(file, options.maxMemory, options.grid));
   if (file.size() < head.fileBytes && !options.partial) {
     return fail(ErrorCode::kTruncated, Hint::set("partial").so("shows what is intact"),
-                "{}: is truncated: it ends at byte {} of {}", path.string(), file.size(),
+                "{}: is truncated: it ends at byte {} of {}", file.path().string(), file.size(),
                 head.fileBytes);
   }
   return VoluteReader(std::make_unique<Impl>(std::move(file), options, std::move(head)));

@@ -108,6 +108,9 @@ class VoluteReader {
   [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path,
                                                  const Options& options);
 
+  /// What is open already.
+  [[nodiscard]] static Result<VoluteReader> open(InputFile file, const Options& options);
+
   [[nodiscard]] static Result<VoluteReader> open(const std::filesystem::path& path) {
     return open(path, Options{});
   }

@@ -23,6 +23,7 @@
 #include "volute/io/array_file.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/hdf5_facts.hpp"
+#include "volute/io/hdf5_filters.hpp"
 #include "volute/io/unit.hpp"
 
 namespace volute {
@@ -929,6 +930,9 @@ extern "C" const volute::ArrayPlugin* voluteArrayPlugin() {
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
   CPLSetErrorHandler(CPLQuietErrorHandler);
   GDALAllRegister();
+#if VOLUTE_HAS_HDF5
+  loadHdf5Filters();
+#endif
   static constexpr ArrayPlugin kPlugin{
       []() -> std::unique_ptr<ArrayReader> { return std::make_unique<GdalReader>(); },
       []() -> std::unique_ptr<ArrayWriter> { return std::make_unique<GdalWriter>(); }};

@@ -115,8 +115,9 @@ std::string lackingFilter(hid_t properties, const std::string& file, const std::
       continue;
     const std::string known(title.data());
     return fmt::format(
-        "'{}' is packed by the HDF5 filter {}{}, which is not here; unpack it with "
-        "h5repack -f NONE, or {}",
+        "'{}' is packed by the HDF5 filter {}{}, which is not here; install it where HDF5 looks "
+        "for "
+        "filters (the environment's HDF5_PLUGIN_PATH), unpack it with h5repack -f NONE, or {}",
         name, filter, known.empty() ? "" : " (" + known + ")", inPython(file, name));
   }
   return {};
