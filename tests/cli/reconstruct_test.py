@@ -250,6 +250,25 @@ class Interrupted(ring.TestCase):
         self.assertEqual(self.path("out.npy").read_bytes(), whole)
         self.assertFalse(self.path("out.npy.work").exists())
 
+    def test_damaged_frames_are_solved_again(self):
+        command = ["reconstruct", self.path("capture.json"), "-o", self.path("out.volute"), "--iterations", 20, "--regularization", "none",
+                   "--frames", "10:13", "--error-bars", "--velocity"]
+        self.works(*command)
+        whole = self.path("out.volute").read_bytes()
+        self.path("r.html").mkdir()
+        key = "?" * 16
+        for folder, name, lost in (("", key + ".json", 1), ("", key + ".values", 1), ("", "*-sigma.values", 1), ("", "*-sigma.json", 1),
+                                   (".velocity", "*.json", 0), (".velocity", "*.values", 0)):
+            with self.subTest(folder + name):
+                self.assertEqual(support.volute(*command, "--report", self.path("r.json")).code, 1)  # at its end
+                damaged, = self.path(f"out.volute{folder}.work").glob("frame_000011." + name)
+                damaged.write_bytes(bytes(damaged.stat().st_size))
+                message = self.works(*command).message
+                self.assertIn(f"finished {3 - lost} of 3 frames", message)
+                self.assertEqual("frame 11 is damaged, and solved again" in message, lost == 1, message)
+                self.assertEqual(self.path("out.volute").read_bytes(), whole)
+                self.assertEqual([name for name in self.files() if ".work" in name], [])
+
     def test_other_options_or_pictures_begin_anew(self):
         self.interrupt()
         other = ["reconstruct", self.path("capture.json"), "-o", self.path("out.npy"), "--iterations", 3]

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/reconstructed_frames.hpp"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cctype>
 #include <chrono>
@@ -144,11 +146,21 @@ Status ReconstructedFrames::begin() {
   VOLUTE_TRY(info_.validate("the reconstruction"));
   errorBars_.info_ = info_;
   errorBars_.info_.name += "_sigma";
-  for (int index = 0; index < info_.frames; ++index) resumed_ += finished(index) ? 1 : 0;
+  std::vector<int> damaged;
+  for (int index = 0; index < info_.frames; ++index) {
+    const bool done = finished(index);
+    resumed_ += done ? 1 : 0;
+    if (!done && work_.has(numberOf(index), keys_[static_cast<std::size_t>(index)]))
+      damaged.push_back(numberOf(index));
+  }
   if (work_.any()) {
     progress_.remark(
         fmt::format("{}: an earlier run finished {} of {} frames with these options and inputs",
                     work_.path().string(), resumed_, info_.frames));
+  }
+  if (!damaged.empty()) {
+    progress_.remark(fmt::format("{}: frame {} is damaged, and solved again", work_.path().string(),
+                                 fmt::join(damaged, ", ")));
   }
   return {};
 }
@@ -177,8 +189,11 @@ void ReconstructedFrames::warn(const std::string& text) {
 
 bool ReconstructedFrames::finished(int index) {
   const auto i = static_cast<std::size_t>(index);
-  if (finished_[i] == 0)
-    finished_[i] = work_.has(numberOf(index), keys_[i]) ? 1 : 0;
+  if (finished_[i] == 0) {
+    const bool bars =
+        !settings_.errorBars || work_.sound(numberOf(index), keys_[i] + kDeviationKey);
+    finished_[i] = bars && work_.sound(numberOf(index), keys_[i]) ? 1 : 0;
+  }
   return finished_[i] != 0;
 }
 
@@ -722,7 +737,9 @@ Status ReconstructedFrames::solve(int index) {
     VOLUTE_TRY(addErrorBars(index, views, result, record));
   ++solved_;
   for (std::size_t i = 0; i < 3 * extinction.size(); ++i) result.volume[i] = extinction[i / 3];
-  return work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record);
+  VOLUTE_TRY(work_.store(number, keys_[static_cast<std::size_t>(index)], result.volume, record));
+  finished_[static_cast<std::size_t>(index)] = 1;
+  return {};
 }
 
 }  // namespace volute

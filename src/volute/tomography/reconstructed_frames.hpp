@@ -137,7 +137,8 @@ class ReconstructedFrames final : public FrameSource {
 
   int numberOf(int index) const { return capture_.frames[static_cast<std::size_t>(index)]; }
 
-  /// Looks into the work folder once for a frame: writers ask for all before each that they read.
+  /// Looks into the work folder once for a frame that is there: writers ask for all before each
+  /// that they read. A damaged one is not there.
   bool finished(int index);
 
   std::size_t colourValues() const { return 3 * info_.voxels(); }

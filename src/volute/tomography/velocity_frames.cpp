@@ -19,7 +19,8 @@ Result<std::unique_ptr<VelocityFrames>> VelocityFrames::open(ReconstructedFrames
   if (light.frames < 2)
     return fail(ErrorCode::kInvalidArgument,
                 "A velocity needs two frames at least, and one is chosen");
-  VOLUTE_ASSIGN(auto work, WorkFolder::open(output.string() + ".velocity"));
+  const std::string beside = output == "-" ? "-" : output.string() + ".velocity";
+  VOLUTE_ASSIGN(auto work, WorkFolder::open(beside));
   std::unique_ptr<VelocityFrames> velocities(
       new VelocityFrames(frames, options, std::move(work), progress));
   velocities->info_ = light;
@@ -29,6 +30,7 @@ Result<std::unique_ptr<VelocityFrames>> VelocityFrames::open(ReconstructedFrames
   const std::string how =
       fmt::format("{} {} {}", options.smoothness, options.divergence, options.warps);
   const auto& keys = frames.keys();
+  velocities->finished_.resize(keys.size());
   for (std::size_t i = 0; i + 1 < keys.size(); ++i)
     velocities->keys_.push_back(digestOf(how + keys[i] + keys[i + 1]));
   return velocities;
@@ -69,20 +71,29 @@ Status VelocityFrames::solve(int pair) {
       {"frames", {number, info_.frameNumbers[static_cast<std::size_t>(pair) + 1]}},
       {"mean_speed", jsonNumber(light > 0 ? weighted / light : 0)},
       {"greatest_speed", jsonNumber(greatest)}};
-  return work_.store(number, keys_[static_cast<std::size_t>(pair)], values, record);
+  VOLUTE_TRY(work_.store(number, keys_[static_cast<std::size_t>(pair)], values, record));
+  finished_[static_cast<std::size_t>(pair)] = 1;
+  return {};
+}
+
+/// A damaged one of an earlier run is estimated again.
+bool VelocityFrames::finished(int pair) {
+  const auto i = static_cast<std::size_t>(pair);
+  if (finished_[i] == 0)
+    finished_[i] = work_.sound(info_.frameNumbers[i], keys_[i]) ? 1 : 0;
+  return finished_[i] != 0;
 }
 
 Status VelocityFrames::solveAll(Team& team) {
   return team.forUnits("velocities", pairs(), progress_, [&](std::int64_t unit) -> Status {
     const auto pair = static_cast<int>(unit);
-    const auto i = static_cast<std::size_t>(unit);
-    return work_.has(info_.frameNumbers[i], keys_[i]) ? Status() : solve(pair);
+    return finished(pair) ? Status() : solve(pair);
   });
 }
 
 Result<VoxelFlow> VelocityFrames::flow(int pair) {
   const auto i = static_cast<std::size_t>(pair);
-  if (!work_.has(info_.frameNumbers[i], keys_[i]))
+  if (!finished(pair))
     VOLUTE_TRY(solve(pair));
   VOLUTE_ASSIGN(const auto values,
                 work_.values(info_.frameNumbers[i], keys_[i], 3 * info_.voxels()));

@@ -18,7 +18,7 @@ namespace volute {
 class VelocityFrames final : public FrameSource {
  public:
   /// `frames` and `progress` must outlive it. kInvalidArgument for fewer than two frames.
-  /// @param output  that of the frames: the work folder is "output.velocity.work"
+  /// @param output  that of the frames: the work folder is "output.velocity.work", or that of "-"
   [[nodiscard]] static Result<std::unique_ptr<VelocityFrames>> open(
       ReconstructedFrames& frames, const FlowOptions& options, const std::filesystem::path& output,
       Progress& progress);
@@ -48,6 +48,7 @@ class VelocityFrames final : public FrameSource {
   int pairs() const { return info_.frames - 1; }
 
   [[nodiscard]] Status solve(int pair);
+  bool finished(int pair);
   [[nodiscard]] Result<VoxelFlow> flow(int pair);
   double seconds(int pair) const;
   Vec3 perVoxel(int pair) const;
@@ -58,6 +59,7 @@ class VelocityFrames final : public FrameSource {
   Progress& progress_;
   VolumeInfo info_;
   std::vector<std::string> keys_;  // one a pair
+  std::vector<char> finished_;     // known to be
 };
 
 }  // namespace volute

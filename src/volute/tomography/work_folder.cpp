@@ -12,7 +12,6 @@
 #include "volute/base/write_file.hpp"
 #include "volute/codec/packing.hpp"
 #include "volute/io/json_check.hpp"
-#include "volute/io/json_file.hpp"
 
 namespace volute {
 namespace {
@@ -79,36 +78,49 @@ Status WorkFolder::store(int frame, const std::string& key, std::span<const floa
   return writeFile(recordFile(path(), frame, key), text);
 }
 
+Result<std::vector<std::byte>> WorkFolder::packed(int frame, const std::string& key) const {
+  const auto file = valuesFile(path(), frame, key);
+  VOLUTE_ASSIGN(auto packed, readFile(file));
+  VOLUTE_ASSIGN(const auto json, stored(frame, key));
+  if (!json.contains("crc") || json["crc"] != crc32(packed) || packed.empty())
+    return damaged(file);
+  return packed;
+}
+
+bool WorkFolder::sound(int frame, const std::string& key) const {
+  return packed(frame, key).has_value();
+}
+
 Result<std::vector<float>> WorkFolder::values(int frame, const std::string& key,
                                               std::size_t count) const {
-  const auto file = valuesFile(path(), frame, key);
-  VOLUTE_ASSIGN(const auto packed, readFile(file));
-  VOLUTE_ASSIGN(const auto json, readJson(recordFile(path(), frame, key)));
-  const auto damaged = [&] {
-    return fail(ErrorCode::kInvalidData, "{}: this finished frame is damaged; remove {}",
-                file.string(), path().string());
-  };
-  if (!json.is_object() || !json.contains("crc") || json["crc"] != crc32(packed) || packed.empty())
-    return damaged();
+  VOLUTE_ASSIGN(const auto packed, this->packed(frame, key));
   const auto bytes = unpack(packed, sizeof(float) * count);
   if (!bytes || bytes->size() != sizeof(float) * count)
-    return damaged();
+    return damaged(valuesFile(path(), frame, key));
   std::vector<float> values(count);
   std::memcpy(values.data(), bytes->data(), bytes->size());
   return values;
 }
 
-Result<nlohmann::ordered_json> WorkFolder::record(int frame, const std::string& key) const {
+Result<nlohmann::ordered_json> WorkFolder::stored(int frame, const std::string& key) const {
   const auto file = recordFile(path(), frame, key);
   VOLUTE_ASSIGN(const auto bytes, readFile(file));
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  VOLUTE_TRY(checkJson(text, file.string()));
-  const auto json = nlohmann::ordered_json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("record")) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: this record of a finished frame is damaged; remove {}", file.string(),
-                path().string());
-  }
+  if (!checkJson(text, file.string()))
+    return damaged(file);
+  auto json = nlohmann::ordered_json::parse(text, nullptr, false);
+  if (!json.is_object() || !json.contains("record"))
+    return damaged(file);
+  return json;
+}
+
+tl::unexpected<Error> WorkFolder::damaged(const fs::path& file) const {
+  return fail(ErrorCode::kInvalidData, "{}: this finished frame is damaged; remove {}",
+              file.string(), path().string());
+}
+
+Result<nlohmann::ordered_json> WorkFolder::record(int frame, const std::string& key) const {
+  VOLUTE_ASSIGN(const auto json, stored(frame, key));
   return json["record"];
 }
 

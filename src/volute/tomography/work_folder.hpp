@@ -27,6 +27,9 @@ class WorkFolder {
 
   bool has(int frame, const std::string& key) const;
 
+  /// True when it is there without damage: its files are read.
+  bool sound(int frame, const std::string& key) const;
+
   /// True when any frame is there.
   bool any() const;
 
@@ -50,6 +53,12 @@ class WorkFolder {
  private:
   WorkFolder(SharedFolder folder, bool temporary)
       : folder_(std::move(folder)), temporary_(temporary) {}
+
+  /// What is in the frame's file of values, which fits its record.
+  [[nodiscard]] Result<std::vector<std::byte>> packed(int frame, const std::string& key) const;
+  /// The frame's file beside the values.
+  [[nodiscard]] Result<nlohmann::ordered_json> stored(int frame, const std::string& key) const;
+  tl::unexpected<Error> damaged(const std::filesystem::path& file) const;
 
   SharedFolder folder_;
   bool temporary_;  // of an output that is "-"

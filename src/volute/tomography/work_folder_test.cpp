@@ -48,6 +48,25 @@ TEST(WorkFolder, DamageIsFound) {
   writeBytes(path, bytes);
   ASSERT_FALSE(work.values(1, "k", 64));
   EXPECT_NE(work.values(1, "k", 64).error().message.find("is damaged; remove"), std::string::npos);
+  EXPECT_FALSE(work.sound(1, "k"));
+}
+
+/// What a loss of power leaves of files that are not on the disk yet.
+TEST(WorkFolder, FilesOfZerosAreDamaged) {
+  const TempFolder folder;
+  ASSERT_VALUE(const auto work, WorkFolder::open(folder / "x"));
+  for (const char* kind : {"values", "json"}) {
+    ASSERT_TRUE(volute::testing::ok(work.store(1, "k", std::vector<float>(64, 0.25f), {})));
+    EXPECT_TRUE(work.sound(1, "k"));
+    const auto path = folder / "x.work" / fmt::format("frame_000001.k.{}", kind);
+    writeBytes(path, std::string(readBytes(path).size(), '\0'));
+    EXPECT_FALSE(work.sound(1, "k")) << kind;
+    EXPECT_TRUE(work.has(1, "k"));
+    EXPECT_NE(work.values(1, "k", 64).error().message.find("is damaged; remove"),
+              std::string::npos);
+  }
+  EXPECT_NE(work.record(1, "k").error().message.find("is damaged; remove"), std::string::npos);
+  EXPECT_FALSE(work.sound(2, "k"));
 }
 
 TEST(WorkFolder, FilesOfOthersStay) {
