@@ -17,6 +17,8 @@
 #include "volute/tomography/reconstruction_report.hpp"
 #include "volute/tomography/settings_check.hpp"
 #include "volute/tomography/soot_frames.hpp"
+#include "volute/tomography/velocity_frames.hpp"
+#include "volute/volume_files/volume_input.hpp"
 #include "volute/volume_files/volume_writer.hpp"
 
 namespace volute::python {
@@ -64,12 +66,36 @@ CaptureOptions captureOptions(const OrderedJson& said, std::uint64_t maxMemory) 
   if (said.contains("resolution"))
     options.resolution = said["resolution"].get<std::array<int, 3>>();
   if (said.contains("frames")) {
-    const auto range = said["frames"].get<std::array<int, 2>>();
-    options.frames = {range[0], range[1]};
+    const OrderedJson& range = said["frames"];
+    const auto bound = [](const OrderedJson& number) {
+      return number.is_null() ? std::nullopt : std::optional(number.get<double>());
+    };
+    options.frames = {bound(range[0]), bound(range[1]), range[2].get<int>()};
   }
   if (said.contains("noise_sigma"))
     options.noiseSigma = said["noise_sigma"].get<double>();
   return options;
+}
+
+/// What compression cost in the pictures, as the command has it.
+Status addFile(ReconstructedFrames& frames, const std::string& output,
+               const ReconstructionSettings& settings, OrderedJson& report, Reading& reading) {
+  if (settings.flame)
+    return {};
+  InputOptions input;
+  input.grid = frames.info().name;
+  VOLUTE_ASSIGN(const auto written, openVolume(output, input, reading));
+  return addResidualOfFile(frames, *written.source, report, reading.progress);
+}
+
+/// All frames of a grid, one behind the other.
+Result<std::vector<float>> framesOf(FrameSource& grid) {
+  const VolumeInfo& info = grid.info();
+  std::vector<float> values(info.values());
+  for (int i = 0; i < info.frames; ++i)
+    VOLUTE_TRY(
+        grid.readFrame(i, std::span(values).subspan(i * info.frameValues(), info.frameValues())));
+  return values;
 }
 
 /// Values of shape (t, z, y, x, c) where `output` is empty; else a .volute file is written.
@@ -78,7 +104,8 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
                              const py::object& listener) {
   using namespace py::literals;
   const OrderedJson said = jsonOf(optionsJson);
-  std::vector<float> values, sigma;
+  constexpr double kEstimateRms = 5e-3;  // less than what the estimates are off by
+  std::vector<float> values, sigma, speeds;
   VolumeInfo info;
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
@@ -88,6 +115,9 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
     VOLUTE_TRY(checkSettings(settings, given));
     remarkOnUnused(settings, given, progress);
+    const bool moves = said.value("velocity", false);
+    if (moves && given.frames.size() < 2)
+      return fail(ErrorCode::kInvalidArgument, "velocity: needs two frames or more");
     VOLUTE_TRY(checkVolumeSize({given.volume.bounds, given.volume.resolution}, maxMemory));
     if (settings.flame && (!given.spectrum.stated() || given.measured != Measured::kEmission))
       return fail(ErrorCode::kInvalidArgument,
@@ -99,17 +129,26 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
                   refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,
                                 progress));
     const Capture& capture = refinement.capture;
+    const std::string target = output.empty() ? "-" : output;
     VOLUTE_ASSIGN(const auto frames,
-                  ReconstructedFrames::open(capture, settings, heldOut,
-                                            output.empty() ? "-" : output, progress));
+                  ReconstructedFrames::open(capture, settings, heldOut, target, progress));
+    std::unique_ptr<VelocityFrames> velocity;
+    if (moves) {
+      VOLUTE_ASSIGN(velocity, VelocityFrames::open(*frames, {}, target, progress));
+    }
     const Status done = [&]() -> Status {
       VOLUTE_TRY(frames->solveAll());
-      VOLUTE_ASSIGN(report, reconstructionReport(refinement, settings, *frames));
+      Team alone;
+      if (velocity)
+        VOLUTE_TRY(velocity->solveAll(alone));
+      VOLUTE_ASSIGN(report, reconstructionReport(refinement, settings, *frames, velocity.get()));
       info = frames->info();
       if (!output.empty()) {
         std::vector<WrittenGrid> grids{{frames.get(), rms}};
+        if (velocity)
+          grids.push_back({velocity.get(), std::max(rms, kEstimateRms)});
         if (settings.errorBars)
-          grids.push_back({&frames->errorBars(), std::max(rms, 5e-3)});
+          grids.push_back({&frames->errorBars(), std::max(rms, kEstimateRms)});
         std::optional<SootFrames> soot;
         if (settings.flame) {
           soot.emplace(*frames, capture.spectrum);
@@ -117,45 +156,50 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
           VOLUTE_ASSIGN(report["soot"], soot->json());
         }
         Reading reading{progress, maxMemory};
-        Team alone;
         Report written;
         VOLUTE_ASSIGN(auto writer, VolumeWriter::open(std::move(grids), output,
                                                       fmt::format("reconstructed from {}",
                                                                   capture.file.filename().string()),
                                                       reading, alone));
-        return writer.write(written);
+        VOLUTE_TRY(writer.write(written));
+        return addFile(*frames, output, settings, report, reading);
       }
-      if (info.rawBytes() * (settings.errorBars ? 2 : 1) > maxMemory) {
+      std::uint64_t bytes = info.rawBytes() * (settings.errorBars ? 2 : 1);
+      if (velocity)
+        bytes += velocity->info().rawBytes();
+      if (bytes > maxMemory) {
         return fail(
             ErrorCode::kTooLarge,
             "{} MiB of values, more than the {} MiB allowed; give `output` or raise max_memory",
-            (info.rawBytes() >> 20) + 1, maxMemory >> 20);
+            (bytes >> 20) + 1, maxMemory >> 20);
       }
-      values.resize(info.values());
-      sigma.resize(settings.errorBars ? values.size() : 0);
-      for (int i = 0; i < info.frames; ++i) {
-        const auto begin = i * info.frameValues();
-        VOLUTE_TRY(frames->readFrame(i, std::span(values).subspan(begin, info.frameValues())));
-        if (settings.errorBars)
-          VOLUTE_TRY(frames->errorBars().readFrame(
-              i, std::span(sigma).subspan(begin, info.frameValues())));
+      VOLUTE_ASSIGN(values, framesOf(*frames));
+      if (settings.errorBars) {
+        VOLUTE_ASSIGN(sigma, framesOf(frames->errorBars()));
+      }
+      if (velocity) {
+        VOLUTE_ASSIGN(speeds, framesOf(*velocity));
       }
       return {};
     }();
+    if (velocity)
+      velocity->work().leave(done.has_value());
     frames->work().leave(done.has_value());  // what was finished serves when the call is made again
     return done;
   });
-  py::object array = py::none(), bars = py::none();
+  py::object array = py::none(), bars = py::none(), motion = py::none();
   if (output.empty()) {
     if (!sigma.empty())
       bars = owned(std::move(sigma), {info.frames, info.z, info.y, info.x, info.channels});
+    if (!speeds.empty())
+      motion = owned(std::move(speeds), {info.frames, info.z, info.y, info.x, 3});
     array = owned(std::move(values), {info.frames, info.z, info.y, info.x, info.channels});
   }
   const py::dict place("grid"_a = info.name, "unit"_a = info.unit,
                        "bounds"_a = boundsTuple(info.bounds), "times"_a = info.times,
                        "frame_numbers"_a = info.frameNumbers,
                        "basis"_a = std::string(basisName(info.basis)));
-  return py::make_tuple(array, place, report.dump(), bars);
+  return py::make_tuple(array, place, report.dump(), bars, motion);
 }
 
 /// (ends (n, 6), values (n,), sigmas (n,), frame of each (n,)) of measured lines, and times of

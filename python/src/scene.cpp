@@ -104,10 +104,8 @@ RenderRequest requestOf(const py::dict& said) {
     request.frames.target = said["target"].cast<std::string>();
   if (given("time"))
     request.frames.time = said["time"].cast<double>();
-  if (given("frames")) {
-    const auto frames = said["frames"].cast<std::array<int, 2>>();
-    request.frames.frames = FrameRange{frames[0], frames[1]};
-  }
+  if (given("frames"))
+    request.frames.frames = frameRangeOf(said["frames"]);
   if (given("speed"))
     request.frames.speed = said["speed"].cast<double>();
   if (given("orbit"))
@@ -287,10 +285,8 @@ void resampleFile(const std::string& path, const std::string& target, const py::
   request.like = said["like"].cast<std::string>();
   request.rms = said["rms"].cast<double>();
   request.basis = *basisNamed(said["basis"].cast<std::string>());
-  if (given("frames")) {
-    const auto frames = said["frames"].cast<std::array<int, 2>>();
-    request.frames = FrameRange{frames[0], frames[1]};
-  }
+  if (given("frames"))
+    request.frames = frameRangeOf(said["frames"]);
   if (given("voxel_size")) {
     const auto size = said["voxel_size"].cast<std::array<double, 3>>();
     request.voxelSize = Vec3(size[0], size[1], size[2]);

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "bridge.hpp"
+#include "volute/grid/select_frames.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/volume_files/memory_volumes.hpp"
 
@@ -24,6 +25,13 @@ inline SceneOptions sceneOptions(const std::string& members, std::uint64_t maxMe
   options.maxMemory = maxMemory;
   options.members = jsonOf(members);
   return options;
+}
+
+/// What frame_range() of the package makes of `frames`.
+inline FrameRange frameRangeOf(const py::object& frames) {
+  using Numbers = std::tuple<std::optional<double>, std::optional<double>, int>;
+  const auto [begin, end, step] = frames.cast<Numbers>();
+  return {begin, end, step};
 }
 
 inline py::tuple boundsTuple(const Box3& box) {

@@ -1549,7 +1549,7 @@ print("done", flush=True)
         self.assertIn("5.0 s: ", done.stdout)
         self.assertRegex(done.stdout, r"\n\d+ people are left")
 
-    def capture(self):
+    def capture(self, frames=(5,)):
         """Six cameras around the puff, and what they saw of it."""
         cameras = []
         for i in range(6):
@@ -1560,7 +1560,7 @@ print("done", flush=True)
             eye = np.array([0.9, 1, 1.2]) - 8 * forward
             cameras.append({"name": f"c{i}", "image": f"c{i}_%04d.exr", "width": 32, "height": 32, "R": rotation.tolist(),
                             "K": [[70, 0, 16], [0, 70, 16], [0, 0, 1]], "t": (-rotation @ eye).tolist()})
-        said = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": [5], "cameras": cameras,
+        said = {"format": "volute-capture-1", "color": "linear", "pixel_centre": 0.5, "frames": list(frames), "cameras": cameras,
                 "volume": {"min": [0, 0, 0], "max": [1.8, 2, 2.4], "resolution": [9, 10, 12]}}
         folder = pathlib.Path(tempfile.mkdtemp(dir=self.path))  # pictures of one that is there are not replaced
         capture = folder / "capture.json"
@@ -1598,6 +1598,66 @@ print("done", flush=True)
         for options in ({"lambda_": 0.5, "regularization": "none"}, {"sparsity": 0.5, "solver": "mlem"}):
             with self.assertRaisesRegex(volute.InvalidArgument, "has no effect with the"):
                 volute.reconstruct(capture, **options)
+
+    def test_reconstruction_is_written_as_the_command_writes_it(self):
+        capture = self.capture((5, 6))
+        said = {"iterations": 20, "regularization": "none"}
+        mine = volute.reconstruct(capture, self.path / "mine.volute", **said)
+        self.command("reconstruct", capture, "-o", self.path / "its.volute", "--iterations", 20, "--regularization", "none",
+                     "--stats", self.path / "its.json")
+        its = volute.open(self.path / "its.volute")
+        np.testing.assert_array_equal(np.asarray(mine.values), np.asarray(its))
+        self.assertEqual(mine.values.rms, its.rms)
+        self.assertEqual(mine.report["file_residual"], json.loads((self.path / "its.json").read_text())["file_residual"])
+        self.assertNotIn("file_residual", volute.reconstruct(capture, **said).report)
+
+    def test_reconstruction_with_velocities(self):
+        capture = self.capture((5, 6, 7))
+        said = {"iterations": 20, "regularization": "none", "velocity": True}
+        before = sorted(os.listdir())
+        found = volute.reconstruct(capture, **said)
+        self.assertEqual(sorted(os.listdir()), before)
+        self.assertEqual(found.velocity.shape, (3, 12, 10, 9, 3))
+        self.assertGreater(found.report["velocity"]["mean_speed"], 0)
+        written = volute.reconstruct(capture, self.path / "moves.volute", error_bars=True, **said)
+        self.command("reconstruct", capture, "-o", self.path / "its.volute", "--iterations", 20, "--regularization", "none",
+                     "--velocity", "--error-bars")
+        for grid, mine in (("velocity", written.velocity), ("emission_sigma", written.sigma)):
+            np.testing.assert_array_equal(np.asarray(mine), np.asarray(volute.open(self.path / "its.volute", grid=grid)))
+        self.assertLess(np.linalg.norm(np.asarray(written.velocity) - found.velocity), 0.05 * np.linalg.norm(found.velocity))
+        self.assertIsNone(volute.reconstruct(capture, iterations=2, regularization="none").velocity)
+        with self.assertRaisesRegex(volute.InvalidArgument, "velocity: needs two frames or more"):
+            volute.reconstruct(self.capture(), velocity=True)
+
+    def test_frames_are_a_range(self):
+        capture = self.capture(range(4, 10))
+
+        def reconstructed(frames):
+            return volute.reconstruct(capture, frames=frames, iterations=2, regularization="none").frame_numbers.tolist()
+
+        def resampled(frames):
+            volute.resample(self.file, self.path / "some.volute", voxel_size=0.3, frames=frames)
+            return volute.open(self.path / "some.volute").frame_numbers.tolist()
+
+        def filmed(frames):
+            folder = pathlib.Path(tempfile.mkdtemp(dir=self.path))
+            volute.film(self.file, folder / "%04d.png", size=(8, 6), frames=frames, emission=1.0)
+            return sorted(int(file.stem) for file in folder.iterdir())
+        count = len(self.decoded)
+        for frames, chosen in (((5, 8), [5, 6, 7]), (np.array([5, 7]), [5, 6]), (range(4, 9), [4, 5, 6, 7, 8]), (range(4, 10, 2), [4, 6, 8]),
+                               (slice(5, 9, 3), [5, 8]), (slice(None, 6), list(range(6))), ((count - 2, None), [count - 2, count - 1])):
+            for call, there in ((reconstructed, range(4, 10)), (resampled, range(count)), (filmed, range(count))):
+                expected = [number for number in chosen if number in there]
+                if expected:
+                    self.assertEqual(call(frames), expected, (call, frames))
+        for wrong in ([5, 6, 8], [5], (), 5, (4, 9, 2), (6, 6), (8, 5), range(8, 4, -1), range(5, 5), slice(-3, None), slice(4, 8, 0), "5:8",
+                      [(5, 6), (7, 8)], [5, (6, 7)], (5, 7.5), (True, 7)):
+            for call in (reconstructed, resampled, filmed):
+                with self.assertRaisesRegex(ValueError, r"expected numbers of frames as \(first, end\) with first < end, or range\(first, end, step\)"):
+                    call(wrong)
+        for resolution in ((9, 10), (9, 10, 12, 1)):
+            with self.assertRaisesRegex(ValueError, r"expected \(x, y, z\), or one number"):
+                volute.reconstruct(capture, resolution=resolution)
 
     def test_reconstruction_with_error_bars(self):
         capture = self.capture()

@@ -12,6 +12,7 @@ Path = Union[str, "os.PathLike[str]"]
 Floats = npt.NDArray[np.float32]
 Point = Tuple[float, float, float]
 Bounds = Tuple[Point, Point]
+FrameRange = Union[None, Tuple[Optional[int], Optional[int]], range, slice]
 Progress = Union[None, bool, Callable[[str, float, float], Any]]
 
 __version__: str
@@ -122,7 +123,7 @@ def compress(frames: Union[npt.ArrayLike, Frames, Function, Iterable[npt.ArrayLi
              basis: Optional[str] = ..., wavelet: str = ..., effort: int = ..., fast: bool = ..., access: Optional[str] = ..., provenance: str = ...,
              not_finite: str = ..., max_memory: int = ..., progress: Progress = ...) -> Compressed: ...
 def resample(source: Union[Path, Volume], output: Path, *, voxel_size: Union[None, float, Sequence[float]] = ..., bounds: Optional[npt.ArrayLike] = ...,
-             matrix: Optional[npt.ArrayLike] = ..., like: Optional[Path] = ..., frames: Optional[Tuple[int, int]] = ...,
+             matrix: Optional[npt.ArrayLike] = ..., like: Optional[Path] = ..., frames: FrameRange = ...,
              grids: Union[None, str, Iterable[str]] = ..., basis: str = ..., rms: float = ..., max_memory: int = ..., progress: Progress = ...) -> None: ...
 
 def to_bytes(frames: Union[npt.ArrayLike, Frames, Function, Iterable[npt.ArrayLike]], **options: Any) -> bytes: ...
@@ -205,7 +206,7 @@ class Scene:
                 background: Optional[Point] = ..., exposure: Union[None, float, str] = ..., tone: Optional[str] = ..., samples: int = ...,
                 bloom: float = ..., colormap: Optional[str] = ..., legend: Optional[bool] = ..., shutter: float = ...,
                 renderer: str = ..., progress: Progress = ...) -> npt.NDArray[np.uint8]: ...
-    def film(self, path: Path, *, frames: Optional[Tuple[int, int]] = ..., speed: float = ..., orbit: Optional[float] = ...,
+    def film(self, path: Path, *, frames: FrameRange = ..., speed: float = ..., orbit: Optional[float] = ...,
              camera: Optional[Dict[str, Any]] = ..., size: Optional[Tuple[int, int]] = ..., background: Optional[Point] = ...,
              exposure: Union[None, float, str] = ..., tone: Optional[str] = ..., samples: int = ..., bloom: float = ...,
              colormap: Optional[str] = ..., legend: Optional[bool] = ..., shutter: float = ..., renderer: str = ..., progress: Progress = ...) -> None: ...
@@ -217,7 +218,7 @@ def picture(source: Union[Scene, Source], time: Optional[float] = ..., *, camera
             size: Optional[Tuple[int, int]] = ..., background: Optional[Point] = ..., exposure: Union[None, float, str] = ...,
             tone: Optional[str] = ..., samples: int = ..., bloom: float = ..., colormap: Optional[str] = ...,
             legend: Optional[bool] = ..., shutter: float = ..., renderer: str = ..., progress: Progress = ..., **members: Any) -> npt.NDArray[np.uint8]: ...
-def film(source: Union[Scene, Source], path: Path, *, frames: Optional[Tuple[int, int]] = ..., speed: float = ...,
+def film(source: Union[Scene, Source], path: Path, *, frames: FrameRange = ..., speed: float = ...,
          orbit: Optional[float] = ..., camera: Optional[Dict[str, Any]] = ..., size: Optional[Tuple[int, int]] = ...,
          background: Optional[Point] = ..., exposure: Union[None, float, str] = ..., tone: Optional[str] = ..., samples: int = ...,
          bloom: float = ..., colormap: Optional[str] = ..., legend: Optional[bool] = ..., shutter: float = ..., renderer: str = ..., progress: Progress = ..., **members: Any) -> None: ...
@@ -298,7 +299,8 @@ class Reconstruction:
     unit: str
     sigma: Optional[Union[Floats, Volume]]
     basis: str
+    velocity: Optional[Union[Floats, Volume]]
 
-def reconstruct(capture: Union[Path, Lines], output: Optional[Path] = ..., *, rms: float = ..., frames: Optional[Tuple[int, int]] = ...,
+def reconstruct(capture: Union[Path, Lines], output: Optional[Path] = ..., *, rms: float = ..., frames: FrameRange = ...,
                 resolution: Union[None, int, Tuple[int, int, int]] = ..., bounds: Optional[npt.ArrayLike] = ...,
                 images: Optional[Path] = ..., max_memory: int = ..., progress: Progress = ..., **options: Any) -> Reconstruction: ...

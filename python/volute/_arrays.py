@@ -89,6 +89,27 @@ def wholes(what, values):
     return values.astype(np.int64)
 
 
+def frame_range(frames):
+    """(first, end, step) of frames that are asked for by their numbers; None stays, and is an open end. Lists of more numbers are refused:
+    they may be meant as a range with a step, or as frames."""
+    if frames is None:
+        return None
+    try:
+        if isinstance(frames, (range, slice)):
+            asked = [frames.start, frames.stop, 1 if frames.step is None else frames.step]
+        else:
+            asked = [*frames, 1] if np.shape(frames) == (2,) else [0, 0, 0]
+        first, end, step = (None if one is None else whole("frames", one) for one in asked)
+    except (TypeError, ValueError):
+        first, end, step = 0, 0, 0
+    from_last = isinstance(frames, slice) and min(first or 0, end or 0) < 0
+    if from_last or step < 1 or None not in (first, end) and first >= end:
+        raise ValueError(f"frames={frames!r}: expected numbers of frames as (first, end) with first < end, or range(first, end, step) with a step above 0")
+    if any(one is not None and abs(one) >= 10**9 for one in (first, end, step)):
+        raise ValueError(f"frames={frames!r}: expected numbers of frames below {10**9}")
+    return first, end, step
+
+
 def corners(bounds, region=False):
     """((x0, y0, z0), (x1, y1, z1)) as lists; None stays. region: of something larger, which may be flat, or go on without end."""
     if bounds is None:

@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 
 from . import _core
-from ._arrays import corners, number, utf8, volume, whole
+from ._arrays import corners, frame_range, number, utf8, volume, whole
 from ._progress import Listener
 from ._volume import _bytes, Frames, file_name, open as _open, size_of
 
@@ -121,7 +121,7 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
 
     source: any file of a volume, or a Volume. output: .volute, .npy, or a pattern %04d.vdb or %04d.vti. What is not said is as in the source.
     voxel_size: [m], a number or (x, y, z). bounds: ((x0, y0, z0), (x1, y1, z1)), outer voxel faces [m]. matrix: three rows of four numbers, from
-        the index of a new voxel to the world [m]. like: a volume whose first frame's voxels they are. frames: (first, end), numbers of frames.
+        the index of a new voxel to the world [m]. like: a volume whose first frame's voxels they are. frames: (first, end), numbers of frames, or range(first, end, step).
     grids: names, of a file with several. basis: of the old voxels. rms: relative, of a .volute."""
     def numbers(what, values, shape):
         values = np.asarray(values, float)
@@ -144,7 +144,7 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
     if not 0 < rms <= 1:
         raise ValueError(f"rms={rms!r}: expected a number above 0, at most 1")
     said = {"voxel_size": voxel_size, "bounds": bounds, "matrix": matrix, "like": "" if like is None else os.fsencode(file_name(like, "like")), "rms": rms,
-            "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
+            "frames": frame_range(frames),
             "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis}
     from ._scene_api import _part
     with Listener(progress) as listener:

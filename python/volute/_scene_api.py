@@ -11,7 +11,7 @@ import tempfile
 import numpy as np
 
 from . import _vtk_values
-from ._arrays import corners, number, plain, unmasked, utf8, volume, whole, wholes
+from ._arrays import corners, frame_range, number, plain, unmasked, utf8, volume, whole, wholes
 from ._compress import compress
 from ._errors import InvalidArgument, NotFound, about
 from ._lines import Lines
@@ -381,10 +381,10 @@ class Scene:
              bloom=0.0, colormap=None, legend=None, shutter=0.0, renderer="cpu", progress=None):
         """Writes a film (.mp4, .webm), or numbered pictures (fire_%04d.png), as `volute render` does: with one exposure for all.
 
-        frames: (first, end), numbers of frames; default all. speed: seconds of the scene in one of the film. orbit: turns the camera
+        frames: (first, end), numbers of frames, or range(first, end, step); default all. speed: seconds of the scene in one of the film. orbit: turns the camera
         around its target by so many degrees over the film. The rest as for picture(). What is stopped leaves no file."""
         path = file_name(path)
-        said = {"target": os.fsencode(path), "frames": None if frames is None else (whole("frames", frames[0]), whole("frames", frames[1])),
+        said = {"target": os.fsencode(path), "frames": frame_range(frames),
                 "speed": number("speed", speed), "orbit": None if orbit is None else number("orbit", orbit),
                 **_view(camera, size, background), **_look(exposure, tone, samples, bloom, colormap, legend, shutter),
                 "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
@@ -749,30 +749,31 @@ class Reconstruction:
     unit: str = ""
     sigma: object = None  #: with error_bars: the standard deviation of each value, of the same shape; of a file its grid 'emission_sigma'
     basis: str = "box"  #: what the values mean between the centres of voxels, as for compress()
+    velocity: object = None  #: asked for: velocities [m/s], shape (t, z, y, x, 3); of a file its grid 'velocity'
 
     def _of_itself(self):
         """The values, and what they say: a Reconstruction is a volume wherever arrays are."""
         return self.values, {key: getattr(self, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis")}
 
 
-def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
+def reconstruct(capture, output=None, *, rms=1e-3, frames=None, resolution=None, bounds=None, images=None, max_memory=4 << 30,
                 progress=None, **options):
     """Reconstructs fire from the pictures of calibrated cameras, or smoke from optical depths along lines.
 
     capture: capture.json, NeRF's transforms.json, a COLMAP folder or OpenCV's .yml (docs/capture.md); or volute.Lines, or a .csv of lines, of
     which bounds, resolution, frames, basis, iterations, lambda_ and force (leaves lines out that miss the bounds) are the options.
-    output: a .volute file to write, at a relative RMS error of `rms`; None: an array is returned.
-    frames: (first, end). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
+    output: a .volute file to write, at a relative RMS error of `rms`, that of `volute reconstruct`; None: an array is returned.
+    frames: (first, end), or range(first, end, step). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
-    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars,
-    force. error_bars=True estimates standard deviations, too; temperature=True writes temperature and extinction of a
+    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars, velocity,
+    force. error_bars=True estimates standard deviations, too, and velocity=True velocities between frames; temperature=True writes temperature and extinction of a
     flame's soot as grids of `output`."""
     part = _part()
     lines = isinstance(capture, Lines) or str(capture).lower().endswith(".csv")
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
              "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
-             "error_bars": (True, False), "temperature": (True, False), "force": None}
+             "error_bars": (True, False), "velocity": (True, False), "temperature": (True, False), "force": None}
     if lines:
         known = {key: known[key] for key in ("basis", "iterations", "lambda", "force")}
     said = {key.rstrip("_"): value for key, value in options.items() if value is not None}
@@ -784,8 +785,10 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if "hold_out" in said:
         said["hold_out"] = [said["hold_out"]] if isinstance(said["hold_out"], str) else list(said["hold_out"])
     if frames is not None:
-        said["frames"] = [whole("frames", frames[0]), whole("frames", frames[1])]
+        said["frames"] = frame_range(frames)
     if resolution is not None:
+        if np.shape(resolution) not in ((), (3,)):
+            raise ValueError(f"resolution={resolution!r}: expected (x, y, z), or one number for the longest side")
         said["resolution"] = [whole("resolution", n) for n in resolution] if np.ndim(resolution) else [whole("resolution", resolution), 0, 0]
     if bounds is not None:
         said["bounds"] = corners(bounds)
@@ -799,13 +802,14 @@ def reconstruct(capture, output=None, *, rms=3e-3, frames=None, resolution=None,
     if lines:
         return _from_lines(capture, output, rms, said, max_memory, progress)
     with Listener(progress) as listener:
-        values, place, report, sigma = part.reconstruct(os.fsencode(file_name(capture, "capture")), os.fsencode(output or ""), number("rms", rms), _text(said),
+        values, place, report, sigma, velocity = part.reconstruct(os.fsencode(file_name(capture, "capture")), os.fsencode(output or ""), number("rms", rms), _text(said),
                                                         size_of("max_memory", max_memory), listener)
     if output is not None:
         values = _open(output, grid=place["grid"])
         sigma = _open(output, grid=place["grid"] + "_sigma") if said.get("error_bars") else None
+        velocity = _open(output, grid="velocity") if said.get("velocity") else None
     return Reconstruction(values, place["bounds"], np.asarray(place["times"]), np.asarray(place["frame_numbers"]), json.loads(report),
-                          place["grid"], place["unit"], sigma, place["basis"])
+                          place["grid"], place["unit"], sigma, place["basis"], velocity)
 
 
 def _from_lines(lines, output, rms, said, max_memory, progress):
