@@ -75,6 +75,48 @@ TEST(Film, PixelsThatAreNotSquareAreKnown) {
   EXPECT_EQ(film.info().pixelAspect, 2);
 }
 
+/// Levels of 8 bits that a film of grey pictures shows, whose stored values are those of 8 bits by
+/// column, times what its bits are more.
+std::vector<double> greyLevels(const std::filesystem::path& path, int bits,
+                               const std::string& range, const std::vector<int>& stored) {
+  std::string row;
+  for (const int level : stored) {
+    const int value = bits == 8 ? level : level << (bits - 8);
+    row += static_cast<char>(value & 255);
+    if (bits > 8)
+      row += static_cast<char>(value >> 8);
+  }
+  std::string text = fmt::format("YUV4MPEG2 W{} H2 F25:1 Cmono{}{}\nFRAME\n", stored.size(),
+                                 bits > 8 ? fmt::format("{}", bits) : "", range);
+  writeBytes(path, text + row + row);
+  auto film = FilmReader::open(path);
+  EXPECT_TRUE(film);
+  const auto frame = film ? film->next() : Result<std::optional<Image>>();
+  EXPECT_TRUE(frame && *frame);
+  std::vector<double> levels;
+  for (int x = 0; frame && *frame && x < (*frame)->width; ++x)
+    levels.push_back(255 * srgbEncode((*frame)->at(x, 1, 1)));
+  return levels;
+}
+
+TEST(Film, GreyIsOfTheFullRangeUnlessItSaysOtherwise) {
+  const TempFolder folder;
+  const std::vector<int> stored{0, 8, 16, 60, 128, 200, 235, 250};
+  for (const int bits : {8, 10, 12, 16}) {
+    const double step = std::exp2(bits - 8) * 255 / (std::exp2(bits) - 1);
+    for (const char* range : {"", " XCOLORRANGE=FULL", " XCOLORRANGE=LIMITED"}) {
+      const auto levels = greyLevels(folder / "a.y4m", bits, range, stored);
+      ASSERT_EQ(levels.size(), stored.size());
+      for (std::size_t i = 0; i < stored.size(); ++i) {
+        const double limited = std::clamp((stored[i] - 16) / 219.0, 0.0, 1.0) * 255;
+        EXPECT_NEAR(levels[i], std::string(range).ends_with("LIMITED") ? limited : step * stored[i],
+                    0.01)
+            << bits << range << " " << stored[i];
+      }
+    }
+  }
+}
+
 /// The matrix of the track, by which its pictures are to be shown (ISO/IEC 14496-12, 8.3.2).
 void setMatrix(const std::filesystem::path& film, const std::array<int, 4>& abcd) {
   std::string bytes = readBytes(film);

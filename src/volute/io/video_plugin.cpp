@@ -515,7 +515,8 @@ class AvFilmDecoder final : public FilmDecoder {
     }
     const auto format = static_cast<AVPixelFormat>(frame_->format);
     const AVPixFmtDescriptor* described = av_pix_fmt_desc_get(format);
-    const bool deep = described && described->comp[0].depth > 8;
+    const int depth = described ? described->comp[0].depth : 8;
+    const bool deep = depth > 8;
     const AVPixelFormat rgb = deep ? AV_PIX_FMT_RGB48 : AV_PIX_FMT_RGB24;
     scaler_.reset(sws_getCachedContext(scaler_.release(), frame_->width, frame_->height, format,
                                        frame_->width, frame_->height, rgb, kExact, nullptr, nullptr,
@@ -523,9 +524,15 @@ class AvFilmDecoder final : public FilmDecoder {
     if (!scaler_)
       return fail(ErrorCode::kUnsupported, "{}: an unknown pixel format", name_);
     VOLUTE_ASSIGN(const int* matrix, matrixOf(*frame_));
-    VOLUTE_TRY(settleColor(*frame_, deep ? 65536 : 256));
-    sws_setColorspaceDetails(scaler_.get(), matrix, frame_->color_range == AVCOL_RANGE_JPEG, matrix,
-                             1, 0, 1 << 16, 1 << 16);
+    // Grey is full unless it says otherwise. The scaler takes 8 bits of it as full even then, and
+    // fills up those of more bits with zeros: their range is taken after it.
+    const bool grey = described && isGrey(*described);
+    const bool full = frame_->color_range == AVCOL_RANGE_JPEG;
+    LevelRange range;
+    if (grey)
+      range = greyRange(depth, frame_->color_range == AVCOL_RANGE_MPEG);
+    VOLUTE_TRY(settleColor(*frame_, deep ? 65536 : 256, range));
+    sws_setColorspaceDetails(scaler_.get(), matrix, grey || full, matrix, 1, 0, 1 << 16, 1 << 16);
     if (!rgb_ || rgb_->format != rgb)
       rgb_ = makeFrame(rgb, stored_[0], stored_[1]);
     if (!rgb_)
@@ -536,6 +543,29 @@ class AvFilmDecoder final : public FilmDecoder {
     if (info_.turned != 0)
       turn(pixels);
     return {};
+  }
+
+  /// Where black and white lie among the levels.
+  struct LevelRange {
+    double black = 0, white = 1;
+
+    bool operator==(const LevelRange&) const = default;
+  };
+
+  static LevelRange greyRange(int depth, bool limited) {
+    const double bits = std::max(depth, 8), last = depth > 8 ? 65535 : 255;
+    const double unit = depth > 8 ? 256 : 1;  // of 8 bits
+    if (limited)
+      return {16 * unit / last, 235 * unit / last};
+    return {0, (std::exp2(bits) - 1) * unit / std::exp2(bits - 8) / last};
+  }
+
+  /// One component of brightness, with transparency or without.
+  static bool isGrey(const AVPixFmtDescriptor& format) {
+    constexpr std::uint64_t kOther = AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_RGB |
+                                     AV_PIX_FMT_FLAG_BITSTREAM | AV_PIX_FMT_FLAG_BAYER |
+                                     AV_PIX_FMT_FLAG_FLOAT;
+    return format.nb_components <= 2 && (format.flags & kOther) == 0;
   }
 
   void turn(std::span<float> pixels) const {
@@ -601,9 +631,10 @@ class AvFilmDecoder final : public FilmDecoder {
 
   /// What the levels are as light, and in which primaries. The curves of video are read as sRGB's,
   /// which nearly all players do; those of high dynamic range have another white.
-  Status settleColor(const AVFrame& frame, std::size_t levels) {
+  Status settleColor(const AVFrame& frame, std::size_t levels, const LevelRange& range) {
     const auto curve = frame.color_trc;
-    if (linear_.size() == levels && curve == curve_ && frame.color_primaries == primaries_)
+    if (linear_.size() == levels && curve == curve_ && frame.color_primaries == primaries_ &&
+        range == range_)
       return {};
     constexpr int kGamma22 = 4, kGamma28 = 5, kLinear = 8, kSrgb = 13, kPq = 16, kHlg = 18;
     constexpr int kRec709 = 1, kRec2020 = 9, kDisplayP3 = 12;
@@ -620,12 +651,14 @@ class AvFilmDecoder final : public FilmDecoder {
       return fail(color.error().code, color.error().hints, "{}: {}", name_, color.error().message);
     linear_.resize(levels);
     for (std::size_t i = 0; i < levels; ++i) {
-      const double value = static_cast<double>(i) / static_cast<double>(levels - 1);
+      const double level = static_cast<double>(i) / static_cast<double>(levels - 1);
+      const double value =
+          std::clamp((level - range.black) / (range.white - range.black), 0.0, 1.0);
       linear_[i] =
           static_cast<float>(color->curves[0] ? color->curves[0](value) : srgbDecode(value));
     }
     toSrgb_ = color->toSrgb;
-    curve_ = curve, primaries_ = frame.color_primaries;
+    curve_ = curve, primaries_ = frame.color_primaries, range_ = range;
     return {};
   }
 
@@ -643,6 +676,7 @@ class AvFilmDecoder final : public FilmDecoder {
   std::optional<Mat3> toSrgb_;  ///< from the film's primaries; none: they are sRGB's
   AVColorTransferCharacteristic curve_ = AVCOL_TRC_UNSPECIFIED;  ///< that linear_ is of
   AVColorPrimaries primaries_ = AVCOL_PRI_UNSPECIFIED;
+  LevelRange range_;
 };
 
 }  // namespace
