@@ -112,7 +112,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
     remarkOn(given, progress);
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});
-    const ReconstructionSettings settings = settingsOf(said, given, maxMemory);
+    ReconstructionSettings settings = settingsOf(said, given, maxMemory);
     VOLUTE_TRY(checkSettings(settings, given));
     remarkOnUnused(settings, given, progress);
     const bool moves = said.value("velocity", false);
@@ -128,6 +128,8 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
                   refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,
                                 progress));
+    settings.causeNamed = refinement.namesCause();
+    settings.causeNamedIn = refinement.faultyFrames;
     const Capture& capture = refinement.capture;
     const std::string target = output.empty() ? "-" : output;
     VOLUTE_ASSIGN(const auto frames,

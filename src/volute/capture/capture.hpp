@@ -54,6 +54,7 @@ struct PictureSource {
   Rgb channelGain = Rgb::Ones();     ///< the same for each channel, besides `gain`
   bool gainByFrame = false;          ///< besides, each frame has a gain of its own, which what the
                                      ///< other cameras predict tells (auto exposure); kEmission
+  std::vector<int> leftOut{};        ///< frames of which its picture is not that: as if none were
   double exponent = 1;               ///< a power of the linear values, 1 = white, before white
                                      ///< and gain: mends a response that is nearly right
   /// Of integers and films; floats (.exr, .pfm, some .tif and .npy) are linear. Without it what

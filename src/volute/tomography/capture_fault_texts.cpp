@@ -31,10 +31,10 @@ std::string factorsText(const Rgb& factors) {
 
 /// Whose calibrations the pictures fit.
 std::string othersText(int order, const Views& views) {
-  constexpr std::size_t kMost = 3;
+  constexpr std::size_t kMax = 3;
   const auto whose = cameraOrder(order, views.size());
   std::vector<std::string> texts;
-  for (std::size_t v = 0; v < views.size() && texts.size() < kMost; ++v) {
+  for (std::size_t v = 0; v < views.size() && texts.size() < kMax; ++v) {
     if (whose[v] != v)
       texts.push_back(fmt::format("{}'s pictures fit the calibration of {}", views[v].name,
                                   views[whose[v]].name));
@@ -203,8 +203,7 @@ std::string describeInFrames(const CaptureFault& fault, const std::vector<Tomogr
     }
   };
   return fmt::format(
-      "{}, frame{} {} alone: {} (what is left of the pictures: {:.0f} % instead of {:.0f} %); mend "
-      "these pictures, or take them away: the camera then does not count there",
+      "{}, frame{} {} alone: {} (what is left of the pictures: {:.0f} % instead of {:.0f} %)",
       namesOf(fault, views), frames.size() == 1 ? "" : "s", fmt::join(frames, ", "), what(),
       100 * fault.after, 100 * fault.before);
 }

@@ -85,6 +85,13 @@ bool refinementMends(const CaptureFault& fault) {
 
 using Frames = std::vector<std::vector<TomographyView>>;
 
+/// What is wrong with single pictures.
+struct PictureFault {
+  std::string text;
+  std::vector<std::size_t> views;
+  std::vector<int> frames;  // numbers
+};
+
 /// Refines what was looked at, and finds clocks that are wrong by whole frames.
 class Refiner {
  public:
@@ -147,8 +154,8 @@ class Refiner {
   const std::vector<int>& shifts() const { return shifts_; }
 
   /// Mistakes of all frames, as far as one in the middle and the others tell.
-  /// @param own  gets sentences on those of single pictures; their frames are looked at no more
-  Result<std::vector<CaptureFault>> faults(std::vector<std::string>& own) {
+  /// @param own  gets those of single pictures; their frames are looked at no more
+  Result<std::vector<CaptureFault>> faults(std::vector<PictureFault>& own) {
     const std::size_t middle = frames_.size() / 2;
     const std::vector<double> white = whites(frames_[middle]);
     VOLUTE_ASSIGN(auto found, findCaptureFaults(frames_[middle], white, geometry(), progress_,
@@ -188,7 +195,8 @@ class Refiner {
       std::ranges::sort(one.frames);
       std::vector<int> numbers;
       for (const std::size_t f : one.frames) numbers.push_back(numbers_[f]);
-      own.push_back(describeInFrames(one.fault, frames_[middle], numbers));
+      own.push_back(
+          {describeInFrames(one.fault, frames_[middle], numbers), one.fault.cameras, numbers});
       std::ranges::copy(numbers, std::back_inserter(faulty_));
     }
     forgetFaulty();
@@ -508,9 +516,23 @@ Result<CaptureRefinement> refined(const Capture& capture, const std::vector<std:
   };
   std::vector<std::string> seen;
   for (const TomographyView& view : refiner.frames()[0]) seen.push_back(view.name);
-  const auto faults = refiner.faults(result.pictureFaults);
+  std::vector<PictureFault> own;
+  const auto faults = refiner.faults(own);
   if (!faults)
     return failed(faults.error());
+  for (PictureFault& fault : own) {
+    const bool leaves = refine != Refine::kNever && !fault.views.empty() &&
+                        views >= kFewestViews + fault.views.size();
+    for (const std::size_t v : fault.views) {
+      auto& known = result.capture.cameras[*findCamera(capture, seen[v])];
+      if (leaves)
+        std::ranges::copy(fault.frames, std::back_inserter(known.pictures.leftOut));
+    }
+    result.pictureFaults.push_back(
+        fault.text + (leaves ? "; left out there until they are mended"
+                             : "; mend these pictures, or take them away: the camera then does not "
+                               "count there"));
+  }
   result.faultyFrames = refiner.faulty();
   std::vector<std::string> apart = heldOut;  // keep their calibration
   bool all = false;                          // whether a mistake is not of some cameras alone

@@ -37,6 +37,10 @@ struct CaptureRefinement {
   std::vector<int> faultyFrames;
   std::vector<std::string> leftOut;  ///< cameras that keep their calibration, for what is wrong
                                      ///< with them is no number a little off
+
+  /// Whether it is said why cameras do not fit.
+  bool namesCause() const { return !leftOut.empty() || (!faults.empty() && !used && !mended); }
+
   std::vector<double> moved;  ///< for each of `names`, how far what it sees of the volume moved in
                               ///< its picture, root mean square [pixels]
 };

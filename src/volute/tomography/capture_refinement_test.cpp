@@ -154,6 +154,27 @@ TEST_F(CaptureRefinementTest, AHalfExposureInOneFrameIsTakenThereAlone) {
   EXPECT_TRUE(result.pictureFaults.empty());
 }
 
+TEST_F(CaptureRefinementTest, APictureThatIsMirroredInOneFrameIsLeftOutThere) {
+  capture.frames = {0, 1, 2, 3};
+  const Image right = *readImage(file("c2", 2));
+  Image mirrored = right;
+  for (int y = 0; y < right.height; ++y)
+    for (int x = 0; x < right.width; ++x)
+      for (int c = 0; c < 3; ++c) mirrored.at(x, y, c) = right.at(right.width - 1 - x, y, c);
+  ASSERT_TRUE(writeImage(file("c2", 2), mirrored));
+  const CaptureRefinement result = refined();
+  ASSERT_EQ(result.pictureFaults.size(), 1U);
+  EXPECT_THAT(result.pictureFaults[0],
+              testing::MatchesRegex("camera c2, frame 2 alone: mirrored .* left out there .*"));
+  EXPECT_EQ(result.capture.cameras[2].pictures.leftOut, std::vector<int>{2});
+  Progress progress;
+  auto reader = ViewReader::open(result.capture, {}, std::uint64_t{1} << 30, progress);
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->read(2)->facts[2].missing);
+  EXPECT_FALSE(reader->read(1)->facts[2].missing);
+  EXPECT_TRUE(refined(Refine::kNever).capture.cameras[2].pictures.leftOut.empty());
+}
+
 TEST_F(CaptureRefinementTest, AGainThatDriftsIsFoundInEachFrame) {
   capture.frames = {0, 1, 2, 3};
   std::vector<Image> right;

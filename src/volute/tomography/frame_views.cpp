@@ -87,7 +87,11 @@ Result<FrameViews> ViewReader::read(int frame) {
     const CaptureCamera& known = capture_->cameras[camera];
     auto picture = images_.read(camera, frame);
     PictureFacts facts;
-    const bool mayBeMissing = known.pictures.frameShift != 0 || known.pictures.video.empty();
+    const auto& leftOut = known.pictures.leftOut;
+    if (std::ranges::find(leftOut, frame) != leftOut.end())
+      picture = fail(ErrorCode::kNotFound, "{}: frame {} is left out", known.name, frame);
+    const bool mayBeMissing =
+        known.pictures.frameShift != 0 || known.pictures.video.empty() || !leftOut.empty();
     if (!picture && picture.error().code == ErrorCode::kNotFound && mayBeMissing) {
       // The others tell what they saw; this one has seen nothing, not even darkness.
       if (!first)

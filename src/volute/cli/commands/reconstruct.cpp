@@ -315,8 +315,7 @@ Status runReconstruct(const Arguments& arguments, Context& context) {
                                                      context.maxMemory, context.progress));
   if (const auto file = arguments.find<std::string>("refined"))
     VOLUTE_TRY(writeCapture(*file, refinement.capture));
-  settings.causeNamed = !refinement.leftOut.empty() ||
-                        (!refinement.faults.empty() && !refinement.used && !refinement.mended);
+  settings.causeNamed = refinement.namesCause();
   settings.causeNamedIn = refinement.faultyFrames;
   std::unique_ptr<HoldOutRotation> rotation;
   if (inTurn) {
