@@ -144,6 +144,28 @@ class EveryType(support.TestCase):
         said = self.works("compress", folder, "-o", self.path("z.volute"), "--field", "holes", "--not-finite", "background", "--json").json
         self.assertGreater(said["bytes"], 0)
 
+    def test_what_is_kept_is_left_out_of_new_voxels(self):
+        folder = self.make()
+        for fields, others in (("half,id,vd", ["half", "vd"]), ("half,id", ["half"])):
+            self.works("compress", folder, "-o", self.path("x.volute"), "--field", fields, "--fast")
+            said = self.works("resample", self.path("x.volute"), "-o", self.path("y.volute"), "--voxel-size", "0.5", "--json")
+            self.assertEqual([grid["name"] for grid in said.json["grids"]], others)
+            self.assertIn("'id' is left out: it is of type int32", said.message)
+            for words in (("info", self.path("x.volute")), ("resample", self.path("x.volute"), "-o", self.path("y.volute"))):
+                self.assertIn("grid 'id' is of type int32, kept as its bytes; expected a volume; the file holds 'half'",
+                              self.fails(1, *words, "--field", "id"))
+        self.assertIn("there is no grid 'ids'", self.fails(1, "info", self.path("x.volute"), "--field", "ids"))
+
+    def test_nanovdb_takes_double_vectors(self):
+        self.works("compress", self.make(), "-o", self.path("x.volute"), "--field", "half,vd", "--fast")
+        for end in (".vdb", ".nvdb"):
+            self.works("extract", self.path("x.volute"), "-o", self.path("x_%04d" + end))
+        self.assertEqual(self.works("compare", self.path("x_%04d.vdb"), self.path("x_%04d.nvdb"), "--field", "vd", "--json").json["max_error"], 0)
+        self.works("resample", self.path("x.volute"), "-o", self.path("y_%04d.nvdb"), "--field", "vd", "--voxel-size", "2")
+        for name in ("x_0000.nvdb", "y_0000.nvdb"):
+            grids = {one["name"]: one["type"] for one in self.works("info", next(self.path(".").glob(name[:2] + "*.nvdb")), "--json").json["grids"]}
+            self.assertEqual(grids["vd"], "vec3d")
+
     def test_what_is_kept_and_too_large_is_refused_first(self):
         source = self.make() / "all_0001.vdb"
         data = source.read_bytes()

@@ -567,6 +567,21 @@ Result<std::vector<std::byte>> unpackChunk(std::span<const std::byte> payload, s
   return content;
 }
 
+// Of a name that no volume of the file has: `all` are those that it holds.
+tl::unexpected<Error> noSuchVolume(std::span<const KeptGrid> kept, const std::string& wanted,
+                                   std::string all, const std::string& path) {
+  for (const KeptGrid& grid : kept)
+    all += (all.empty() ? "'" : ", '") + grid.name + "' (as its bytes)";
+  if (const auto at = std::ranges::find(kept, wanted, &KeptGrid::name); at != kept.end()) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: grid '{}' is of type {}, kept as its bytes; expected a volume; the file holds "
+                "{}",
+                path, wanted, at->type, all);
+  }
+  return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds {}", path, wanted,
+              all);
+}
+
 // Which grid is meant, by Options::grid.
 Result<std::size_t> wantedGrid(const GridTable& table, std::span<const KeptGrid> kept,
                                const std::string& wanted, const std::string& path) {
@@ -585,10 +600,7 @@ Result<std::size_t> wantedGrid(const GridTable& table, std::span<const KeptGrid>
     std::string all;
     for (const GridRow& row : table.rows)
       all += (all.empty() ? "'" : ", '") + row.name + "'" + (row.empty ? " (empty)" : "");
-    for (const KeptGrid& grid : kept)
-      all += (all.empty() ? "'" : ", '") + grid.name + "' (as its bytes)";
-    return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds {}", path, wanted,
-                all);
+    return noSuchVolume(kept, wanted, std::move(all), path);
   }
   if (table.rows[chosen].empty)
     return fail(ErrorCode::kInvalidData, "{}: grid '{}' is empty in all frames", path, wanted);
@@ -852,10 +864,8 @@ Result<FileHead> readHead(const InputFile& file, std::uint64_t maxMemory, const 
   if (chunks.table.empty()) {
     VOLUTE_ASSIGN(const auto content, unpackChunk(chunks.grids[0].info, budget / 32, path, "INFO"));
     VOLUTE_TRY(readInfoChunk(content, path, head));
-    if (!grid.empty() && grid != head.info.name) {
-      return fail(ErrorCode::kNotFound, "{}: there is no grid '{}'; the file holds '{}'", path,
-                  grid, head.info.name);
-    }
+    if (!grid.empty() && grid != head.info.name)
+      return noSuchVolume(head.kept.grids, grid, "'" + head.info.name + "'", path);
     head.grids.push_back({head.info,
                           head.header,
                           {},

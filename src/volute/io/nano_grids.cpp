@@ -17,6 +17,43 @@
 
 #include "volute/io/vdb_grid.hpp"
 
+#if NANOVDB_MINOR_VERSION_NUMBER < 5
+/// NanoVDB has grids of such vectors, and this step of its converter alone lacks their name; the
+/// rest of it is the original's.
+template <>
+nanovdb::Vec3dGrid* nanovdb::OpenToNanoVDB<openvdb::Vec3d, nanovdb::Vec3d, nanovdb::AbsDiff,
+                                           nanovdb::HostBuffer>::processGrid(const OpenGridT& of) {
+  auto* made = reinterpret_cast<Vec3dGrid*>(mBufferPtr + mBufferOffsets[0]);
+  GridData* data = made->data();
+  const std::string name = of.getName();
+  const auto map = of.transform().baseMap()->getAffineMap();
+  std::memset(static_cast<void*>(data), 0, sizeof *data);
+  data->mMagic = NANOVDB_MAGIC_NUMBER;
+  data->mVersion = Version();
+  data->mFlags = static_cast<std::uint32_t>(GridFlags::IsBreadthFirst);
+  data->mGridCount = 1;
+  data->mGridSize = mBufferOffsets[8];
+  name.copy(data->mGridName, GridData::MaxNameSize - 1);
+  data->setLongGridNameOn(name.size() >= GridData::MaxNameSize);
+  data->mWorldBBox = BBox<Vec3R>();
+  const bool staggered = of.getGridClass() == openvdb::GRID_STAGGERED;
+  data->mGridClass = staggered ? nanovdb::GridClass::Staggered : nanovdb::GridClass::Unknown;
+  data->mGridType = GridType::Vec3d;
+  data->mVoxelSize = map->voxelSize();
+  const auto matrix = map->getMat4();
+  data->mMap.set(matrix, matrix.inverse(), 1.0);
+  mDelta = nanovdb::Vec3d(0);
+  processTree(of.tree());
+  if (!mBlindMetaData.empty()) {  // a long name
+    auto* blind = processMetadata(of);
+    data->mBlindMetadataOffset = PtrDiff(blind, made);
+    data->mBlindMetadataCount = static_cast<std::uint32_t>(mBlindMetaData.size());
+    blind->setBlindData(reinterpret_cast<char*>(mBufferPtr + mBufferOffsets[7]));
+  }
+  return made;
+}
+#endif
+
 namespace volute {
 namespace {
 
