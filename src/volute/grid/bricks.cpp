@@ -387,6 +387,7 @@ Result<Bricks> Bricks::fromMessage(std::span<const std::byte> message) {
   };
   if (twice(all.leaves_))
     return malformed("two leaves in one place");
+  all.fillUnderTiles();
   return all;
 }
 

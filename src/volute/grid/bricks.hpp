@@ -135,7 +135,7 @@ class Bricks {
   void toMessage(std::span<std::byte> message) const;
 
   /// The same the other way. Nothing in a message is trusted: kInvalidData, in words that want a
-  /// subject, where it does not describe a frame. What is not valued becomes the background.
+  /// subject, where it does not describe a frame. What is not valued has what is around it.
   [[nodiscard]] static Result<Bricks> fromMessage(std::span<const std::byte> message);
 
   /// A digest of all of it.

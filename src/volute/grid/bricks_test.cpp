@@ -134,6 +134,23 @@ TEST(Bricks, MessagesComeBackAndDamageIsFound) {
   EXPECT_EQ(Bricks::fromMessage(message)->leftOut(), 7U);
 }
 
+TEST(Bricks, MessagesKeepTheTileUnderALeaf) {
+  Bricks bricks(1, {0.5f});
+  Bricks::Leaf leaf;
+  leaf.origin = {4, 0, 0};
+  leaf.active[0] = leaf.valued[0] = 128;
+  bricks.addLeaf(leaf)[7] = 2;
+  bricks.addTile({{0, 0, 0}, 8, false, {-0.5f}});
+  bricks.sort();
+  bricks.fillUnderTiles();
+  std::vector<std::byte> message(bricks.messageBytes());
+  bricks.toMessage(message);
+  const auto back = Bricks::fromMessage(message);
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(back->values(0)[0], -0.5f);
+  EXPECT_EQ(back->checksum(), bricks.checksum());
+}
+
 TEST(Bricks, VoxelsOfBoxesBeyondAllNumbers) {
   const std::int64_t far = std::int64_t{1} << 40;
   EXPECT_EQ(voxelsIn({{0, 0, 0}, {far, far, far}}), std::numeric_limits<std::uint64_t>::max());
