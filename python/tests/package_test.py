@@ -251,6 +251,16 @@ class Package(unittest.TestCase):
         self.assertEqual(wrong, [])
         np.testing.assert_array_equal(pickle.loads(pickle.dumps(v))[5], self.decoded[5])
 
+    def test_a_full_disk_under_frames_that_come_once(self):
+        target = self.path / "full.volute"
+        code = ("import resource, sys, numpy as np, volute\n"
+                "resource.setrlimit(resource.RLIMIT_FSIZE, (100000, 100000))\n"
+                f"try: volute.compress((np.ones((32, 32, 32), np.float32) for _ in range(4)), {str(target)!r}, max_error=.1)\n"
+                "except volute.IoError as error: print(error, error.path, error.code, sep='|')\n")
+        done = subprocess.run([sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}, capture_output=True, text=True)
+        self.assertEqual(done.stdout, f"{self.path}: cannot write a temporary file: File too large|{self.path}|io\n", done.stderr)
+        self.assertFalse(target.exists())
+
     def test_the_same_bytes_as_the_command(self):
         for name, values in [("f32.npy", self.values), ("f16.npy", self.values[:5].astype(np.float16)), ("one.npy", self.values[7])]:
             np.save(self.path / name, values)

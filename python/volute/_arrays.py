@@ -11,7 +11,7 @@ import tempfile
 import numpy as np
 
 from . import _core, _vtk_values
-from ._errors import InvalidArgument, TooLarge
+from ._errors import InvalidArgument, IoError, TooLarge, about
 from ._volume import Frames, _bytes
 
 _log = logging.getLogger("volute")
@@ -365,11 +365,21 @@ def _computed(values):
     return values.compute() if hasattr(values, "compute") else values
 
 
+def _append(file, array, folder):
+    left = memoryview(array.reshape(-1).view(np.uint8))
+    try:
+        while left:
+            left = left[file.write(left):]
+    except OSError as error:
+        with about(folder):
+            raise IoError(f"{folder}: cannot write a temporary file: {error.strerror}") from None
+
+
 def _spool(values, folder, masked, refuses):
     """(array, rounding, whether something was masked) of frames that come once, in a file without a name: compression asks for them more
     than once. masked: what stands for a masked value. refuses: values that are not finite, beside masked ones."""
     count, shape, kept, rounding, masks, wrong = 0, None, None, 0.0, False, None
-    with tempfile.TemporaryFile(dir=folder) as file:
+    with tempfile.TemporaryFile(dir=folder, buffering=0) as file:
         for frame in _pieces(values):
             frame, mask = _apart(frame)
             if mask is not None and mask.ndim == 4:
@@ -392,11 +402,10 @@ def _spool(values, folder, masked, refuses):
                 wrong = count
             if mask is not None:
                 masks, numbers = True, np.where(mask, masked, numbers)
-            np.ascontiguousarray(numbers, kept).tofile(file)
+            _append(file, np.ascontiguousarray(numbers, kept), folder)
             count += 1
         if not count:
             raise ValueError("there are no frames")
-        file.flush()
         if 0 in shape:
             five_axes((count,) + shape)  # says what is wrong
         if masks and wrong is not None:

@@ -140,6 +140,9 @@ class Failures(support.TestCase):
         self.fails(1, "extract", packed, "-o", self.path("x.npy"), preexec_fn=small_files)
         self.fails(1, "render", packed, "-o", self.path("x.png"), preexec_fn=small_files)
         self.fails(1, "render", packed, "-o", self.path("x.exr"), preexec_fn=small_files)
+        for end in ("nc", "h5"):
+            said = self.fails(1, "extract", packed, "-o", self.path(f"x.{end}"), preexec_fn=small_files)
+            self.assertRegex(said, "File too large|this build has no")
 
     def test_targets_out_of_reach(self):
         source = self.make_npy()

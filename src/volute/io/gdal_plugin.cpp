@@ -3,14 +3,18 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gdal_priv.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cctype>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -49,6 +53,19 @@ std::string gdalSaid(std::string_view otherwise) {
   std::string said = last ? last : "";
   said.resize(std::min(said.find("\nat ("), said.size()));  // where in its sources
   return said.empty() ? std::string(otherwise) : said;
+}
+
+/// Why a file grows no further, which HDF5 knows and does not hand on; empty: it does.
+std::string whyFull(const std::string& file) {
+  constexpr off_t kSome = 1 << 20;
+  const int descriptor = ::open(file.c_str(), O_WRONLY | O_CLOEXEC);
+  if (descriptor < 0)
+    return {};
+  const off_t end = ::lseek(descriptor, 0, SEEK_END);
+  const int error = end < 0 ? 0 : ::posix_fallocate(descriptor, end, kSome);
+  ::close(descriptor);
+  const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO;
+  return full ? std::strerror(error) : "";
 }
 
 using ArrayPtr = std::shared_ptr<GDALMDArray>;
@@ -801,6 +818,7 @@ class GdalWriter final : public ArrayWriter {
  public:
   Status begin(const std::filesystem::path& file, const std::filesystem::path& target,
                const VolumeInfo& info, double offset) override {
+    file_ = file.string();
     target_ = target.string();
     offset_ = offset;
     CPLErrorReset();
@@ -906,11 +924,12 @@ class GdalWriter final : public ArrayWriter {
 
  private:
   Status failed() const {
+    const std::string full = whyFull(file_);
     return fail(ErrorCode::kIo, "{}: cannot be written: {}", target_,
-                gdalSaid("the disk may be full"));
+                full.empty() ? gdalSaid("the disk may be full") : full);
   }
 
-  std::string target_;
+  std::string file_, target_;
   std::unique_ptr<GDALDataset> dataset_;
   ArrayPtr array_;
   std::vector<std::size_t> size_;  // of the dimensions
