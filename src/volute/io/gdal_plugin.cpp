@@ -13,9 +13,11 @@
 #include <cctype>
 #include <cerrno>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -66,6 +68,19 @@ std::string whyFull(const std::string& file) {
   ::close(descriptor);
   const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO;
   return full ? std::strerror(error) : "";
+}
+
+/// HDF5 closes its files where a process ends, and falls over one that could not be written: what
+/// it does there is left out.
+void endBeforeHdf5() {
+  static const int kOnce = ::on_exit(
+      [](int status, void*) {
+        std::cout.flush();
+        std::fflush(nullptr);
+        ::_exit(status);
+      },
+      nullptr);
+  (void)kOnce;
 }
 
 using ArrayPtr = std::shared_ptr<GDALMDArray>;
@@ -924,6 +939,7 @@ class GdalWriter final : public ArrayWriter {
 
  private:
   Status failed() const {
+    endBeforeHdf5();
     const std::string full = whyFull(file_);
     return fail(ErrorCode::kIo, "{}: cannot be written: {}", target_,
                 full.empty() ? gdalSaid("the disk may be full") : full);
