@@ -363,7 +363,7 @@ target_link_libraries(mine PRIVATE volute::volute)""", main=UMBRELLA)
         library = next(PREFIX.rglob("libvolute_c.so.0")).parent
         self.works("cc", "-std=c11", "-Wall", "-Wextra", "-Werror", SOURCE / "tests/values.c", "-I", PREFIX / "include", "-L", library,
                    f"-Wl,-rpath,{library}", "-lvolute_c", "-lm", "-o", "values")
-        self.assertEqual(self.works("./values"), "values are seen through\n")
+        self.assertEqual(self.works("./values", SOURCE / "tests/data/cache.volute"), "values are seen through\n")
 
     def test_walkers_of_c(self):
         library = next(PREFIX.rglob("libvolute_c.so.0")).parent

@@ -54,7 +54,7 @@ static double depth(volute_scene* scene, double y) {
   return status != VOLUTE_OK ? -status : sight.covered ? sight.depth : sight.low; /* of a mesh, its part of the line */
 }
 
-int main(void) {
+int main(int argc, char** argv) {
   float values[kSide * kSide * kSide];
   for (size_t i = 0; i < sizeof values / sizeof *values; ++i) values[i] = 1;
   const volute_info info = {.size = sizeof info, .frames = 1, .z = kSide, .y = kSide, .x = kSide, .channels = 1, .bounds_max = {1, 1, 1}};
@@ -181,6 +181,13 @@ int main(void) {
   CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_CANCELLED);
   depths[3] = NAN;
   CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_INVALID_ARGUMENT);
+
+  /* Advice has the words of C. */
+  const volute_resampling resampling = {.size = sizeof resampling};
+  CHECK(argc == 2 && volute_resample(argv[1], "grids.npy", &resampling) == VOLUTE_INVALID_ARGUMENT);
+  CHECK(strstr(volute_error(), "choose one with grids") && !exists("grids.npy"));
+  CHECK(volute_resample(argv[1], "grids.xyz", &resampling) == VOLUTE_INVALID_ARGUMENT);
+  CHECK(strstr(volute_error(), "unknown format"));
   puts("values are seen through");
   return 0;
 }

@@ -892,6 +892,24 @@ class Grids(support.TestCase):
         self.assertIn("grid 'solid' is to be kept, and is not one of the grids to be compressed",
                       self.fails(2, "compress", self.unpack(), "-o", self.path("y.volute"), "--field", "density", "--keep", "solid"))
 
+    def test_a_grid_against_the_array_that_was_taken_out_of_it(self):
+        self.works("extract", CACHE, "-o", self.path("{grid}.npy"))
+        a, b = self.path("temperature.npy"), self.path("velocity.npy")
+        for pair in ((a, CACHE), (CACHE, a)):
+            self.assertEqual(self.works("compare", *pair, "--field", "temperature", "--json").json["max_error"], 0)
+        self.assertIn("no named grids", self.fails(2, "compare", a, b, "--field", "temperature"))
+
+    def test_frames_beside_each_other_are_decoded_once(self):
+        decoded = lambda *words: self.works("extract", CACHE, "-o", self.path("x_%04d.vdb"), "--field", "density,temperature", *words, "--json").json["blocks_decoded"]
+        self.assertLessEqual(decoded("--frames", "102:104"), decoded())
+
+    def test_an_unknown_format_is_told_before_its_grids(self):
+        for command in ("resample", "extract"):
+            self.assertIn("'x.xyz' has an unknown format", self.fails(2, command, CACHE, "-o", "x.xyz"))
+
+    def test_options_for_other_files_of_voxels(self):
+        self.assertIn("--values is for volumes of voxels of other formats, smoke on meshes and FDS cases; ", self.fails(2, "info", CACHE, "--values"))
+
     def test_one_grid_of_several(self):
         for verb in ("extract", "resample"):
             text = self.fails(2, verb, CACHE, "-o", self.path("x.npy"), *(["--voxel-size", "0.2"] if verb == "resample" else []))

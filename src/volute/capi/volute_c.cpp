@@ -118,14 +118,22 @@ std::string settingText(const std::string& setting, const std::string& value) {
                        : fmt::format("{} \"{}\"", found->second, value);
 }
 
+/// The same of volute_resampling.
+std::string resamplingText(const std::string& setting, const std::string& value) {
+  if (setting == "field")
+    return value.empty() ? "grids" : fmt::format("grids \"{}\"", value);
+  return setting == "bounds" ? "bounds_min and bounds_max" : settingText(setting, value);
+}
+
 /// Runs `call`, which returns a Status; nothing that it throws gets any further.
+/// @param settings  what advice calls the caller's settings
 template <class Call>
-volute_status guarded(Call&& call) noexcept {
+volute_status guarded(Call&& call, const SettingText& settings = settingText) noexcept {
   try {
     const Status done = call();
     if (done)
       return VOLUTE_OK;
-    lastError = fullText(done.error(), settingText);
+    lastError = fullText(done.error(), settings);
     return statusOf(done.error().code);
   } catch (const std::bad_alloc&) {
     lastError.clear();  // needs no memory
@@ -703,7 +711,7 @@ volute_status volute_file_read_double(const volute_file* file, int32_t frame,
 }
 
 volute_status volute_resample(const char* path, const char* target, const volute_resampling* how) {
-  return guarded([&]() -> Status {
+  const auto resample = [&]() -> Status {
     VOLUTE_TRY(volute::given("volute_resample", path, target, how));
     VOLUTE_ASSIGN(const auto request, volute::requestOf(*how));
     volute::CallerProgress progress(*how);
@@ -711,7 +719,8 @@ volute_status volute_resample(const char* path, const char* target, const volute
     volute::Team alone;
     VOLUTE_TRY(volute::resampleVolume(path, target, request, reading, alone));
     return {};
-  });
+  };
+  return guarded(resample, volute::resamplingText);
 }
 
 volute_status volute_compress(const char* path, const volute_info* info, const double* times,

@@ -31,11 +31,13 @@ KindWords wordsOf(std::string_view kind) {
 }
 
 /// "smoke on meshes and FDS cases".
-std::string thingsOf(const std::vector<std::string_view>& kinds) {
+/// @param refused  whose volumes of voxels are none of `kinds`
+std::string thingsOf(const std::vector<std::string_view>& kinds, std::string_view refused) {
   std::string text;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     text += i == 0 ? "" : i + 1 < kinds.size() ? ", " : " and ";
     text += wordsOf(kinds[i]).things;
+    text += refused == kVoluteKind && kinds[i] == "volume" ? " of other formats" : "";
   }
   return text;
 }
@@ -69,8 +71,8 @@ Status refuseIdle(const Arguments& arguments, const std::vector<FileKind>& files
     if (!arguments.given(option.name) || option.kinds.empty() || serves || files.empty())
       continue;
     return fail(ErrorCode::kInvalidArgument, "--{} is for {}; {} is {}{}", option.name,
-                thingsOf(option.kinds), files.front().file, wordsOf(files.front().kind).thing,
-                files.front().advice);
+                thingsOf(option.kinds, files.front().kind), files.front().file,
+                wordsOf(files.front().kind).thing, files.front().advice);
   }
   return {};
 }

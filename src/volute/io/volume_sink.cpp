@@ -12,6 +12,18 @@
 
 namespace volute {
 
+Status checkFormat(const std::filesystem::path& output, bool orVolute) {
+  const std::string extension = extensionOf(output);
+  if (extension == ".npy" || output == "-" || isArrayOutput(output) || isVdbPath(output) ||
+      extension == ".vti" || extension == ".pvd")
+    return {};
+  return failFor("output", ErrorCode::kInvalidArgument,
+                 "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.nvdb, %04d.vti, "
+                 ".pvd, .nc, .h5 or -{}",
+                 output.string(), orVolute ? ".volute, " : "",
+                 extension == ".volute" ? "; volute compress writes .volute files" : "");
+}
+
 Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& output,
                                               const VolumeInfo& info, const SinkOptions& options) {
   const std::string extension = extensionOf(output);
@@ -26,14 +38,8 @@ Result<std::unique_ptr<FrameSink>> createSink(const std::filesystem::path& outpu
     return NpySink::create(output, info, options.offset);
   if (array)
     return createArraySink(output, info, options.offset);
+  VOLUTE_TRY(checkFormat(output, options.orVolute));
   const bool vdb = isVdbPath(output);
-  if (!vdb && extension != ".vti" && extension != ".pvd") {
-    return failFor("output", ErrorCode::kInvalidArgument,
-                   "'{}' has an unknown format; expected {}.npy, %04d.vdb, %04d.nvdb, %04d.vti, "
-                   ".pvd, .nc, .h5 or -{}",
-                   output.string(), options.orVolute ? ".volute, " : "",
-                   extension == ".volute" ? "; volute compress writes .volute files" : "");
-  }
   VOLUTE_ASSIGN(const LatticePlugin* plugin, vdb ? loadVdbPlugin() : loadVtkPlugin());
   return createLatticeSink(output, info,
                            plugin->makeWriter({.half = options.half, .offset = options.offset}));

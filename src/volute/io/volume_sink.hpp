@@ -33,6 +33,9 @@ struct SinkOptions {
                                                             const VolumeInfo& info,
                                                             const SinkOptions& options = {});
 
+/// Whether createSink() knows the format of this name; its error where it does not.
+[[nodiscard]] Status checkFormat(const std::filesystem::path& output, bool orVolute);
+
 /// One of the grids of a cache to be written.
 struct GridTarget {
   VolumeInfo info;              ///< x is 0 for an empty grid

@@ -153,6 +153,11 @@ void remarkOnMeaning(const VolumeInfo& a, const VolumeInfo& b, Reading& reading)
   }
 }
 
+/// Whether a volume holds one array, which has no name.
+bool isNameless(const std::string& path) {
+  return extensionOf(path) == ".npy" || volumesIn(path).value_or("") == ".npy";
+}
+
 /// Values of another name may be of another thing, and the same ones over another basis are another
 /// field. What an array is called is no statement, nor is what Volute calls what has no name.
 void remarkOnKinds(const VolumeInfo& a, const std::string& pathA, const VolumeInfo& b,
@@ -465,11 +470,15 @@ Result<VolumeComparison> compareVolumes(const std::string& a, const std::string&
       return compareCaches(*first, a, *second, b, request, reading);
   }
   options.grid = request.fields;
-  // A .volute file has its own bounds; the option speaks of the other formats.
+  // A .volute file has its own bounds; the option speaks of the other formats, and a field of what
+  // has names.
+  const bool eitherIsNamed = !isNameless(a) || !isNameless(b);
   const auto optionsFor = [&](const std::string& path) {
     InputOptions own = options;
     if (isVolutePath(path))
       own.bounds.reset();
+    if (eitherIsNamed && isNameless(path))
+      own.grid.clear();
     return own;
   };
   VOLUTE_ASSIGN(auto first, openVolume(a, optionsFor(a), reading));

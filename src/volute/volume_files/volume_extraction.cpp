@@ -288,7 +288,9 @@ class OneGridSink final : public CacheSink {
 /// @param counts  bytes read, blocks decoded
 void addReads(Report& report, std::span<const std::uint64_t> counts, std::size_t blocks) {
   report.add("bytes_read", counts[0], bytesText(counts[0]))
-      .add("blocks_decoded", counts[1], fmt::format("{} of {}", counts[1], blocks));
+      .add("blocks_decoded", counts[1],
+           counts[1] > blocks ? fmt::format("{}, some of {} again and again", counts[1], blocks)
+                              : fmt::format("{} of {}", counts[1], blocks));
 }
 
 /// `name` in place of {word}.
@@ -572,6 +574,7 @@ Status extractVolute(const std::string& path, const std::string& target,
                      const ExtractionRequest& request, const Extracted& extracted, Reading& reading,
                      Team& team) {
   VOLUTE_TRY(checkWords(target, kGridWord));
+  VOLUTE_TRY(checkFormat(target, false));
   Extractor extractor(path, request, extracted, reading, team);
   VOLUTE_ASSIGN(const auto main, openVolute(path, request.partial, reading, false));
   InputOptions input;
@@ -656,6 +659,7 @@ Status extractVolute(const std::string& path, const std::string& target,
 Status extractFds(const std::string& path, const std::string& target,
                   const ExtractionRequest& request, const Extracted& extracted, Reading& reading) {
   VOLUTE_TRY(checkWords(target, kMeshWord));
+  VOLUTE_TRY(checkFormat(target, false));
   Team alone;
   Extractor extractor(path, request, extracted, reading, alone);
   if (!namesEachMesh(target))

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "volute/io/volume_sink.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_grids.hpp"
 #include "volute/volume_files/volume_writer.hpp"
@@ -407,6 +408,8 @@ void Resampler::tellLosses() {
 }
 
 Result<Report> Resampler::run() {
+  if (!isVolutePath(target_))
+    VOLUTE_TRY(checkFormat(target_, true));
   if (!request_.like.empty()) {
     VOLUTE_ASSIGN(const auto other, openVolume(request_.like, {}, reading_));
     stated_ = latticeOf(*other.source, other.places);
