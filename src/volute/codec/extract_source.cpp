@@ -235,6 +235,24 @@ Status ExtractSource::loadBlock(std::size_t block) {
   return {};
 }
 
+// Those of a row that are selected are decoded together, where there is room for a row.
+Status ExtractSource::loadBricks(std::size_t index) {
+  const auto& positions = extraction_.positions;
+  const BlockGrid& grid = reader_->blocks();
+  const int first = positions[index], row = grid.rowOf(first);
+  int last = first;
+  if (reader_->brickBytes(row) <= reader_->maxMemory()) {
+    for (std::size_t i = index; i < positions.size() && grid.rowOf(positions[i]) == row; ++i)
+      last = std::max(last, positions[i]);
+  }
+  bricks_.clear();
+  std::vector<Bricks> read(static_cast<std::size_t>(last + 1 - first));
+  VOLUTE_TRY(reader_->readBricks(first, last + 1, read));
+  bricks_ = std::move(read);
+  firstBricks_ = first;
+  return {};
+}
+
 bool ExtractSource::keepsTopology() const {
   return reader_->hasTopology() && extraction_.level == 0;
 }
@@ -250,12 +268,14 @@ Status ExtractSource::readBricks(int index, int first, int end, Bricks& bricks) 
     bricks = Bricks::fromDense(info_, values, reader_->background());
     return {};
   }
-  if (!whole_)
-    whole_ = frameSource(reader_);
   const Region& r = extraction_.region;
   const int position = extraction_.positions[static_cast<std::size_t>(index)];
-  VOLUTE_TRY(whole_->readBricks(position, r.begin[2] + first, r.begin[2] + end, bricks));
+  if (position < firstBricks_ || position >= firstBricks_ + static_cast<int>(bricks_.size()))
+    VOLUTE_TRY(loadBricks(static_cast<std::size_t>(index)));
+  bricks = bricks_[static_cast<std::size_t>(position - firstBricks_)];
   const VolumeInfo& all = reader_->info();
+  if (first > 0 || end < r.z())
+    bricks.crop({{0, 0, r.begin[2] + first}, {all.x, all.y, r.begin[2] + end}});
   if (r != Region{{0, 0, 0}, {all.x, all.y, all.z}})
     bricks.crop({{r.begin[0], r.begin[1], r.begin[2]}, {r.end[0], r.end[1], r.end[2]}});
   bricks.shift({-r.begin[0], -r.begin[1], -r.begin[2]});

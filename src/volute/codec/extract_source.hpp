@@ -53,6 +53,7 @@ class ExtractSource final : public FrameSource {
   bool keepsTopology() const;
   Status load(std::size_t index);
   Status loadBlock(std::size_t block);
+  Status loadBricks(std::size_t index);
   std::vector<std::size_t> blocksOfRow(int row) const;
 
   std::size_t frameValues() const { return extraction_.region.voxels() * info_.channels; }
@@ -61,7 +62,8 @@ class ExtractSource final : public FrameSource {
   Extraction extraction_;
   Progress& progress_;
   VolumeInfo info_;
-  std::unique_ptr<FrameSource> whole_;  // the file's frames, for bricks
+  std::vector<Bricks> bricks_;  // of the file's frames from firstBricks_ on
+  int firstBricks_ = 0;         // its position in the file
   std::size_t framesAtOnce_ = 1;
   std::size_t firstLoaded_ = 0, loaded_ = 0;  // which of the selected frames are in row_
   std::vector<float> row_;                    // shape (t, z, y, x, c) of the region
