@@ -370,13 +370,9 @@ Status Resampler::addAll() {
       leftOut("it is empty");
       continue;
     }
-    if (!grid.kept.empty() && request_.fields.empty()) {
-      leftOut("it is " + grid.kept);
-      continue;
-    }
     auto old = open(grid.name, &grid);
     if (!old && old.error().code == ErrorCode::kUnsupported && request_.fields.empty()) {
-      leftOut(old.error().message);
+      leftOut(grid.kept.empty() ? old.error().message : "it is " + grid.kept);
       continue;
     }
     if (!old)
