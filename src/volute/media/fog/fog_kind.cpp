@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include <fmt/ranges.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/remark_log.hpp"
@@ -39,6 +40,15 @@ void sayShift(const FogDescription& fog, const MediumContext& context, Progress&
           .in(context.file, context.path));
 }
 
+/// However its name is written.
+bool sameMap(const FogDescription& a, const FogDescription& b) {
+  const auto fileOf = [](const std::string& name) {
+    std::error_code unknown;
+    return std::filesystem::absolute(name, unknown).lexically_normal();
+  };
+  return fileOf(a.maps.front()) == fileOf(b.maps.front());
+}
+
 class FogKind final : public MediumKind {
  public:
   const FieldTable& fields() const override { return fogFields(); }
@@ -74,7 +84,7 @@ class FogKind final : public MediumKind {
              fmt::format("{}: the scene's geometry shadows none of this fog", fog.where())});
       medium->remarks = remarkLog.remarks();
     }
-    if (before || last)
+    if (before || (last && sameMap(last->description(), fog)))
       medium->keepPainted(before ? *before : *last);
     return std::shared_ptr<SceneMedium>(std::move(medium));
   }
