@@ -48,6 +48,14 @@ class SceneHistory {
     last_.clear();
   }
 
+  /// Changes all scenes that it gives back, as where a file was renamed.
+  template <class Change>
+  void changeAll(Change&& change) {
+    for (auto& scene : past_) change(scene);
+    for (auto& scene : future_) change(scene);
+    last_.clear();
+  }
+
   void clear() { *this = {}; }
 
  private:

@@ -559,6 +559,32 @@ TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
   EXPECT_EQ(document->info().canvases[0].file, folder.path("other.png"));
 }
 
+TEST(SceneDocument, ASavedMapLeavesWhatCanBeUndone) {
+  SceneFolder folder;
+  Progress quiet;
+  for (const char* name : {"map.png", "other.png"}) {
+    SCOPED_TRACE(name);
+    const auto document = documentOf(folder, kBlown, quiet);
+    ASSERT_TRUE(document);
+    auto painted = document->info().canvases[0].fog->levels().map().c;
+    for (double& value : painted) value *= 0.5;
+    ASSERT_TRUE(document->setFogMap(0, painted, true));
+    ASSERT_TRUE(document->set("/media/0/wind", {3, 1, 0}, quiet));
+    ASSERT_TRUE(document->saveFogMap(0, folder.path(name), Image(14, 10, 1)));
+    ASSERT_TRUE(document->info().canUndo);
+    ASSERT_TRUE(document->undo(quiet));
+    EXPECT_EQ(valueIn(*document, "/media/0/wind")[0], 1);
+    EXPECT_EQ(document->info().canvases[0].name, name);
+    EXPECT_EQ(document->info().canvases[0].fog->levels().map().c, painted);
+    EXPECT_FALSE(document->info().canvases[0].unsaved);
+    EXPECT_EQ(document->info().changed, std::string(name) != "map.png")
+        << "the scene's file has the map before";
+    ASSERT_TRUE(document->redo(quiet));
+    EXPECT_EQ(valueIn(*document, "/media/0/wind")[0], 3);
+    EXPECT_EQ(document->info().canvases[0].name, name);
+  }
+}
+
 /// Opened alone or in a scene, by whatever name, and however many files a name stands for.
 TEST(SceneDocument, NothingThatIsShownIsReplaced) {
   SceneFolder folder;

@@ -13,6 +13,8 @@
 namespace volute {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// A fog whose map can be painted, and its place in the scene.
 struct Canvas {
   std::shared_ptr<FogSceneMedium> fog;
@@ -72,15 +74,27 @@ Status SceneDocument::saveFogMap(std::size_t canvas, const std::string& target, 
   VOLUTE_ASSIGN(const Canvas found, canvasAt(scene_, canvas));
   VOLUTE_TRY(checkNotShown(target, found.fog->description().maps.front()));
   VOLUTE_TRY(writeMap(target, map));
-  nlohmann::ordered_json json = scene_.json();
-  json[nlohmann::ordered_json::json_pointer(found.path)]["map"] =
-      nameFrom(target, file_, std::filesystem::path(target).filename().string());
   found.fog->savedAs(target);
+  Json json = scene_.json();
+  Json& shown = json[Json::json_pointer(found.path)]["map"];
+  const Json name = nameFrom(target, file_, std::filesystem::path(target).filename().string());
+  const Json before = std::exchange(shown, name);
+  if (before == name)
+    return {};
+  // What can be undone is of the scene with this map.
+  std::ptrdiff_t others = 0;
+  for (const Json& medium : json.at("media")) others += medium.value("map", Json()) == before;
+  const auto rename = [&](Json& scene) {
+    for (Json& medium : scene["media"]) {
+      if (medium.value("map", Json()) == before)
+        medium["map"] = name;
+    }
+  };
+  others > 0 ? history_.clear() : history_.changeAll(rename);
   const bool unchanged = scene_.json() == saved_;
   scene_.note(std::move(json));
-  if (unchanged)
+  if (unchanged && !scene_.isFile())
     saved_ = scene_.json();
-  history_.clear();  // of a scene with another map
   return {};
 }
 
