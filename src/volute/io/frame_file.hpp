@@ -106,6 +106,7 @@ struct PngKind {
   std::string color{};
   int pictures = 1;        ///< of an animated one (APNG); the first is read
   double pixelAspect = 1;  ///< width of a pixel / its height
+  bool alpha = false;      ///< some of it may be transparent
 };
 
 [[nodiscard]] Result<PngKind> readPngKind(const std::filesystem::path& path);

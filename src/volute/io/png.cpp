@@ -396,7 +396,7 @@ Result<PngKind> readPngKind(const std::filesystem::path& path) {
   PngState state;
   state.headerOnly = true;
   VOLUTE_TRY(readPngFile(path, {}, state));
-  PngKind kind{state.channels, state.bits, "", state.pictures, state.pixelAspect};
+  PngKind kind{state.channels, state.bits, "", state.pictures, state.pixelAspect, state.hasAlpha};
   if (state.codePoints)
     kind.color = fmt::format("cICP {}, {}", (*state.codePoints)[0], (*state.codePoints)[1]);
   else if (state.srgb)

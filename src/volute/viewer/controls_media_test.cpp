@@ -559,6 +559,53 @@ TEST(SceneDocument, ASavedMapIsHeldAsTheFogThatBlows) {
   EXPECT_EQ(document->info().canvases[0].file, folder.path("other.png"));
 }
 
+/// Whatever is beyond the map's border: where the brush is the fog becomes denser.
+TEST(SceneDocument, FogThatBlowsIsPaintedWhereItIsShown) {
+  SceneFolder folder;
+  Progress quiet;
+  for (const char* border : {"repeat", "clamp", "zero"}) {
+    for (const int degree : {0, 1, 2}) {
+      auto scene = nlohmann::json::parse(kBlown);
+      scene["media"][0]["border"] = border;
+      scene["media"][0]["degree"] = degree;
+      scene["media"][0]["wind"] = {0.9, -0.4};
+      const auto document = documentOf(folder, scene.dump(), quiet);
+      ASSERT_TRUE(document);
+      const FogCanvas canvas = document->info().canvases[0];
+      const std::vector<double> before = canvas.fog->levels().map().c;
+      for (const double time : {0.0, 3.3, 9.0}) {
+        FogPainter painter(*canvas.fog, canvas.most);
+        painter.blow({time * canvas.wind.head<2>(), canvas.border});
+        const auto extinctionAt = [&](const Vec2& at) {
+          const auto fields = document->fieldsAt(time, Vec3(at.x(), at.y(), 2));
+          EXPECT_TRUE(fields);
+          return fields->front().fields.front().values.front();
+        };
+        const bool zero = std::string(border) == "zero";
+        for (const Vec2& at : {Vec2(3.2, 6.1), Vec2(9.7, 3.4)}) {
+          SCOPED_TRACE(fmt::format("{}, degree {}, {} s, x {}", border, degree, time, at.x()));
+          ASSERT_TRUE(document->setFogMap(0, before, true));
+          const Vec2 other(at.x() < 7 ? 11.1 : 1.6, 8.6);
+          const double there = extinctionAt(at), elsewhere = extinctionAt(other);
+          FogPainter held = painter;
+          const bool onMap = held.nearest(at).has_value();
+          EXPECT_TRUE(onMap || zero);
+          EXPECT_TRUE(held.paint({.radius = 1.8, .strength = 0.2}, at, at, 1) || !onMap);
+          ASSERT_TRUE(document->setFogMap(0, held.coefficients().c, true));
+          if (onMap) {
+            EXPECT_GT(extinctionAt(at), there + (zero ? 0 : 0.01)) << "less at a border";
+          } else {
+            EXPECT_EQ(extinctionAt(at), there);
+          }
+          if (canvas.border != FogBorder::kClamp) {
+            EXPECT_EQ(extinctionAt(other), elsewhere);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(SceneDocument, ASavedMapLeavesWhatCanBeUndone) {
   SceneFolder folder;
   Progress quiet;

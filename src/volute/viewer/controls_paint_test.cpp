@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // SPDX-FileCopyrightText: The Volute authors
 // Fog is painted: what each tool and each setting of the brush does to the map and to the picture.
+#include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "volute/base/read_text.hpp"
 #include "volute/viewer/controls_testing.hpp"
 
 namespace volute {
@@ -50,6 +52,28 @@ class PaintControls : public Controls {
     EXPECT_NE(map(), before);
     EXPECT_GT(difference(shown, fog()), 0.0005);
   }
+
+  /// A scene of fogs of these maps, one beside the other; more members of each as JSON.
+  void writeFogs(const std::string& name, const std::vector<std::string>& maps,
+                 const std::string& more = "{}") {
+    nlohmann::json scene = {
+        {"format", "volute-scene-2"},
+        {"camera", {{"eye", {-9, -12, 11}}, {"target", {7, 5, 0}}, {"fov", 45}}}};
+    for (std::size_t i = 0; i < maps.size(); ++i) {
+      nlohmann::json fog = {{"kind", "fog"},
+                            {"map", maps[i]},
+                            {"cell", 1},
+                            {"origin", {9 * static_cast<int>(i), 0, 0}},
+                            {"sigma_max", 0.4},
+                            {"degree", 1},
+                            {"profile", {{"kind", "slab"}, {"bottom", 0}, {"top", 4}}}};
+      fog.update(nlohmann::json::parse(more));
+      scene["media"].push_back(std::move(fog));
+    }
+    std::ofstream(folder_.path(name)) << scene.dump();
+  }
+
+  FogPainting& painting() { return app().tools().painting; }
 
   void take(const std::string& tool) {
     ASSERT_TRUE(script_->click("tool " + tool, 0.1)) << tool;
@@ -220,6 +244,173 @@ TEST_F(PaintControls, FogIsPaintedOnTheGround) {
   EXPECT_FALSE(app().settings().painting);
   expectReadAgain("ground.png");
   EXPECT_NE(map(), begun);
+}
+
+TEST_F(PaintControls, FogThatBlowsIsPaintedUnderTheHand) {
+  writeFogs("blown.json", {"map.png"}, R"({"wind": [1, 0]})");
+  ASSERT_NO_FATAL_FAILURE(unfold("blown.json"));
+  app().playback().timeline().seek(7);
+  load();
+  ASSERT_TRUE(script_->click("paint in the view", 0.05));
+  const auto ground = app().view().camera().camera(kWidth, kHeight).project(Vec3(8, 6, 0));
+  ASSERT_TRUE(ground);
+  ASSERT_TRUE(script_->click("brush strength", 0.62));
+  const Map before = map();
+  expectPainted("add",
+                [&] { script_->drag(ground->x(), ground->y(), ground->x(), ground->y(), 0, 12); });
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (map()[i] - before[i] > map()[most] - before[most])
+      most = i;
+  }
+  const int column = static_cast<int>(most) % 14, row = static_cast<int>(most) / 14;
+  EXPECT_NEAR((column + 7) % 14, 7.5, 0.6) << "what is in the middle of its cell there";
+  EXPECT_NEAR(row, 5.5, 0.6);
+}
+
+TEST_F(PaintControls, AStrokeOnThePlanIsOneThoughTheViewIsPaintedToo) {
+  ASSERT_NO_FATAL_FAILURE(unfold("dull.json"));
+  ASSERT_TRUE(script_->click("paint in the view", 0.05));
+  const Map begun = map();
+  ASSERT_NO_FATAL_FAILURE(stroke());
+  ASSERT_NE(map(), begun);
+  press("Undo");
+  EXPECT_EQ(map(), begun);
+}
+
+TEST_F(PaintControls, StrokesAreUndoneWhateverTheMapsScale) {
+  ASSERT_NO_FATAL_FAILURE(unfold("dull.json"));
+  const Map begun = map();
+  ASSERT_NO_FATAL_FAILURE(stroke());
+  const Map painted = map();
+  app().document().set(parameterAt("/media/0/sigma_max"), {0.8});
+  load();
+  ASSERT_EQ(map().size(), painted.size());
+  for (std::size_t i = 0; i < painted.size(); ++i) EXPECT_DOUBLE_EQ(map()[i], 2 * painted[i]);
+  app().document().set(parameterAt("/media/0/cell"), {1.5});
+  load();
+  EXPECT_EQ(painter().cell(), 1.5);
+  for (int i = 0; i < 3; ++i) {
+    script_->press(Key::kZ, true);
+    load();
+  }
+  EXPECT_EQ(valueOf("/media/0/cell")[0], 1);
+  EXPECT_EQ(valueOf("/media/0/sigma_max")[0], 0.4);
+  for (std::size_t i = 0; i < begun.size(); ++i) EXPECT_NEAR(map()[i], begun[i], 1e-12);
+  EXPECT_FALSE(painting().unsaved());
+  const Parameter densest = parameterAt("/media/0/sigma_max");
+  app().document().set(densest, {0});
+  load();
+  EXPECT_FALSE(painting().tool().has()) << "there is no fog to paint";
+  app().document().set(densest, {0.4});
+  load();
+  script_->frames(5);
+  press("Redo");
+  for (std::size_t i = 0; i < painted.size(); ++i) EXPECT_NEAR(map()[i], painted[i], 1e-12);
+}
+
+TEST_F(PaintControls, WhatAPictureHoldsBesidesIsNotReplacedUnasked) {
+  Image colour(14, 10, 3);
+  for (std::size_t i = 0; i < colour.pixels.size(); ++i)
+    colour.pixels[i] = 0.02F * static_cast<float>(i % 37);
+  ASSERT_TRUE(writeImage(folder_.path("colour.png"), colour));
+  const std::vector<float> some(14 * 10, 0.5F);
+  ASSERT_TRUE(writeChannels(folder_.path("clear.exr"), 14, 10, {{"Y", some}, {"A", some}}));
+  for (const std::string name : {"colour", "clear"}) {
+    SCOPED_TRACE(name);
+    const std::string ext = name == "clear" ? ".exr" : ".png";
+    const std::string file = folder_.path(name + ext);
+    const std::string before = *readText(file);
+    writeFogs(name + ".json", {name + ext}, R"({"convert": "luma"})");
+    ASSERT_NO_FATAL_FAILURE(unfold(name + ".json"));
+    EXPECT_EQ(app().settings().mapName, folder_.path(name + "_grey" + ext));
+    ASSERT_NO_FATAL_FAILURE(stroke());
+    ASSERT_TRUE(script_->write("map", file));
+    press("Save map");
+    ASSERT_TRUE(app().document().files().replacing());
+    EXPECT_NE(app().document().files().replacing()->loses, "");
+    ASSERT_TRUE(script_->click("keep"));
+    load();
+    EXPECT_EQ(*readText(file), before);
+    EXPECT_TRUE(painting().unsaved());
+    ASSERT_TRUE(script_->write("map", folder_.path(name + "_grey" + ext)));
+    press("Save map");
+    EXPECT_EQ(app().document().error(), "");
+    EXPECT_FALSE(painting().unsaved());
+    EXPECT_EQ(*readText(file), before);
+    EXPECT_TRUE(std::filesystem::exists(folder_.path(name + "_grey" + ext)));
+    EXPECT_TRUE(app().document().info()->changed) << "the scene's file names the other map";
+    // Alone it is what is open, and is asked about too.
+    ASSERT_NO_FATAL_FAILURE(unfold(name + ext));
+    EXPECT_EQ(app().settings().mapName, folder_.path(name + "_grey_2" + ext));
+    ASSERT_NO_FATAL_FAILURE(stroke());
+    ASSERT_TRUE(script_->write("map", file));
+    press("Save map");
+    ASSERT_TRUE(app().document().files().replacing());
+    ASSERT_TRUE(script_->click("replace"));
+    load();
+    EXPECT_FALSE(painting().unsaved());
+    EXPECT_NE(*readText(file), before);
+    ASSERT_NO_FATAL_FAILURE(stroke());
+    press("Save map");
+    EXPECT_FALSE(painting().unsaved()) << "it is grey by now";
+  }
+}
+
+TEST_F(PaintControls, EachFogOfASceneIsPainted) {
+  const std::string map = *readText(folder_.path("map.png"));
+  std::ofstream(folder_.path("second.png")) << map;
+  writeFogs("fogs.json", {"map.png", "second.png", "map.png"});
+  ASSERT_NO_FATAL_FAILURE(unfold("fogs.json"));
+  EXPECT_EQ(painting().names(), (std::vector<std::string>{"map.png", "second.png", "map.png (2)"}));
+  const Map begun = this->map();
+  expectPainted("first", [&] { stroke(); });
+  const Map first = this->map();
+  ASSERT_TRUE(script_->choose("painted map", "second.png"));
+  load();
+  EXPECT_EQ(this->map(), begun);
+  EXPECT_EQ(app().settings().mapName, folder_.path("second.png"));
+  take("remove");
+  expectPainted("second", [&] { stroke(); });
+  const Map second = this->map();
+  EXPECT_NE(second, first);
+  press("Undo");
+  EXPECT_EQ(this->map(), begun);
+  press("Redo");
+  ASSERT_TRUE(script_->choose("painted map", "map.png"));
+  load();
+  EXPECT_EQ(this->map(), first);
+  press("Undo");
+  EXPECT_EQ(this->map(), begun);
+  EXPECT_TRUE(painting().unsaved()) << "the other is";
+  press("Redo");
+
+  // A fog of no density is none to paint; when it comes back it has what was painted.
+  const Parameter densest = parameterAt("/media/1/sigma_max");
+  app().document().set(densest, {0});
+  load();
+  ASSERT_EQ(painting().names().size(), 2U);
+  EXPECT_EQ(this->map(), first);
+  app().document().undo();
+  load();
+  ASSERT_EQ(painting().names().size(), 3U);
+  EXPECT_EQ(app().document().info()->canvases[1].fog->levels().map().c, second);
+
+  // Each is asked about.
+  script_->close();
+  script_->frames(3);
+  ASSERT_TRUE(app().leaving().asked());
+  EXPECT_EQ(app().settings().mapName, folder_.path("map.png"));
+  ASSERT_TRUE(script_->click("leave discard"));
+  script_->frames(3);
+  ASSERT_TRUE(app().leaving().asked()) << "another is unsaved";
+  EXPECT_EQ(app().settings().mapName, folder_.path("second.png"));
+  ASSERT_TRUE(script_->click("leave save"));
+  load();
+  load();
+  EXPECT_TRUE(app().leaving().ends());
+  EXPECT_NE(*readText(folder_.path("second.png")), map);
+  EXPECT_EQ(*readText(folder_.path("map.png")), map);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "volute/fog/fog_medium.hpp"
 #include "volute/math/box.hpp"
 #include "volute/media/field_probe.hpp"
+#include "volute/media/fog/fog_file.hpp"
 #include "volute/media/parameter.hpp"
 #include "volute/scene/scene_edits.hpp"
 #include "volute/scene/scene_look.hpp"
@@ -41,7 +42,8 @@ struct FogCanvas {
   std::string file;                ///< the map's
   double most = 1;                 ///< [1/m], the extinction of a pixel of value 1
   std::optional<FogMedium> fog{};  ///< as it is at 0 s, painted or not
-  Vec3 wind = Vec3::Zero();        ///< [m/s]
+  Vec3 wind = Vec3::Zero();        ///< [m/s],
+  FogBorder border{};              ///< and what it brings in
   bool unsaved = false;            ///< it was painted, and no file has it
 };
 

@@ -37,14 +37,15 @@ void DocumentFiles::browse(const std::filesystem::path& folder) {
   browser_ = Browser{folder, folderEntries(folder)};
 }
 
-bool DocumentFiles::mayWrite(const std::string& target, std::function<void()> then) {
+bool DocumentFiles::mayWrite(const std::string& target, std::function<void()> then,
+                             const std::string& loses) {
   std::error_code unknown;
-  if ((target == open_ && !overwritten_) || allowed_.contains(target) ||
+  if ((target == open_ && !overwritten_ && loses.empty()) || allowed_.contains(target) ||
       !std::filesystem::exists(target, unknown)) {
     allowed_.insert(target);
     return true;
   }
-  replacing_ = Replacing{target, std::move(then)};
+  replacing_ = Replacing{target, std::move(then), loses};
   return false;
 }
 

@@ -30,6 +30,7 @@ class DocumentFiles {
   struct Replacing {
     std::string target;
     std::function<void()> then;
+    std::string loses{};  ///< a sentence; empty: what it holds
   };
 
   /// What a person chooses a file for.
@@ -80,7 +81,9 @@ class DocumentFiles {
 
   /// Whether `target` may be written now: it does not exist, is open, or was written before. Else
   /// the person is asked, and `then` is called by replace().
-  bool mayWrite(const std::string& target, std::function<void()> then);
+  /// @param loses  what is lost, in a sentence: then it is asked though `target` is open
+  bool mayWrite(const std::string& target, std::function<void()> then,
+                const std::string& loses = {});
 
   /// The person said that this file may be written.
   void allow(const std::string& target) { allowed_.insert(target); }

@@ -49,7 +49,7 @@ std::vector<FogCanvas> SceneDocument::canvases() const {
     const std::string& file = fog.maps.front();
     canvases.push_back({std::filesystem::path(file).filename().string(), file,
                         fog.placement.sigmaMax, canvas.fog->shown()->mapAt(0), fog.wind,
-                        canvas.fog->unsaved()});
+                        fog.borderInWind(), canvas.fog->unsaved()});
   }
   return canvases;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "volute/base/assert.hpp"
 
@@ -15,9 +16,35 @@ constexpr double kDabsARadius = 4;      ///< so that a fast stroke shows no bead
 
 }  // namespace
 
-/// Coefficients, half open.
-struct FogPainter::Rect {
-  int begin[2], end[2];
+/// Along an axis, the coefficients that are shown: number m peaks at `first` + m cells.
+struct FogPainter::Shown {
+  int begin = 0, end = 0;  ///< half open; of a map that drifts -1 may be one
+  int count = 0;           ///< of the map
+  int whole = 0;           ///< cells that it has drifted
+  double entered = 0;      ///< the rest, in cells
+  double first = 0;        ///< [m]
+  bool repeats = false;
+
+  int coefficient(int m) const {
+    const int k = m - whole;
+    return repeats ? ((k % count) + count) % count : std::clamp(k, 0, count - 1);
+  }
+
+  /// Of one that enters or leaves, the part that is shown (FogSceneMedium::bordered()).
+  double share(int m) const { return m < 0 ? entered : m == count - 1 ? 1 - entered : 1; }
+
+  int nearest(double at, double cell) const {
+    return std::clamp(static_cast<int>(std::lround((at - first) / cell)), begin, end - 1);
+  }
+
+  /// Those no farther than `radius`, half open.
+  std::pair<int, int> within(double at, double radius, double cell) const {
+    const auto clamped = [&](double m) {
+      return static_cast<int>(std::clamp(m, static_cast<double>(begin), static_cast<double>(end)));
+    };
+    const double middle = (at - first) / cell, reach = radius / cell;
+    return {clamped(std::ceil(middle - reach)), clamped(std::floor(middle + reach) + 1)};
+  }
 };
 
 double FogBrush::weight(double distance) const {
@@ -47,6 +74,59 @@ void FogPainter::place(const Vec2& origin, int degree) {
   degree_ = degree;
 }
 
+void FogPainter::rescale(double most, double cell) {
+  cell_ = cell;
+  if (most == most_)
+    return;
+  const double factor = most / most_;
+  const auto scale = [&](std::vector<double>& values) {
+    for (double& value : values) value = std::min(value * factor, most);
+  };
+  const auto scaleStep = [&](Step& step) { scale(step.before), scale(step.after); };
+  scale(grid_.c);
+  if (begun_)
+    scale(begun_->c);
+  std::ranges::for_each(past_, scaleStep);
+  std::ranges::for_each(future_, scaleStep);
+  most_ = most;
+}
+
+FogPainter::Shown FogPainter::shown(int axis) const {
+  Shown shown;
+  shown.count = shown.end = axis == 0 ? grid_.columns : grid_.rows;
+  shown.first = origin_[axis] + 0.5 * (degree_ + 1) * cell_;
+  if (drift_.border == FogBorder::kZero) {
+    shown.first += drift_.by[axis];
+    return shown;
+  }
+  shown.repeats = drift_.border == FogBorder::kRepeat;
+  const double way = drift_.by[axis] / cell_, cells = std::floor(way);
+  shown.entered = way - cells;
+  shown.whole =
+      static_cast<int>(shown.repeats ? std::fmod(cells, shown.count)
+                                     : std::clamp(cells, -2.0 * shown.count, 2.0 * shown.count));
+  shown.first += shown.entered * cell_;
+  shown.begin = shown.entered > 0 ? -1 : 0;
+  return shown;
+}
+
+/// What wind brings in is shown where the map lies in calm air.
+bool FogPainter::covers(const Vec2& at) const {
+  Vec2 local = at - origin_;
+  if (drift_.border == FogBorder::kZero)
+    local -= drift_.by;
+  return (local.array() >= 0).all() && (local.array() <= size().array()).all();
+}
+
+Vec2 FogPainter::blown(const Vec2& calm) const {
+  Vec2 at = calm + drift_.by;
+  if (drift_.border != FogBorder::kRepeat)
+    return at;
+  const Vec2 period = cell_ * Vec2(grid_.columns, grid_.rows);
+  at -= origin_;
+  return origin_ + at - (period.array() * (at.array() / period.array()).floor()).matrix();
+}
+
 Vec2 FogPainter::size() const {
   return cell_ * Vec2(grid_.columns + degree_, grid_.rows + degree_);
 }
@@ -57,12 +137,25 @@ Vec2 FogPainter::peakOf(const FogPlace& place) const {
 }
 
 std::optional<FogPlace> FogPainter::nearest(const Vec2& at) const {
-  const Vec2 local = at - origin_;
-  if (!((local.array() >= 0).all() && (local.array() <= size().array()).all()))
+  if (!covers(at))
     return std::nullopt;
-  const Vec2 index = local / cell_ - Vec2::Constant(0.5 * (degree_ + 1));
-  return FogPlace{std::clamp(static_cast<int>(std::lround(index.x())), 0, grid_.columns - 1),
-                  std::clamp(static_cast<int>(std::lround(index.y())), 0, grid_.rows - 1)};
+  const Shown across = shown(0), along = shown(1);
+  return FogPlace{across.coefficient(across.nearest(at.x(), cell_)),
+                  along.coefficient(along.nearest(at.y(), cell_))};
+}
+
+std::vector<FogPeak> FogPainter::around(const Vec2& at, int cells) const {
+  const Shown across = shown(0), along = shown(1);
+  const int column = across.nearest(at.x(), cell_), row = along.nearest(at.y(), cell_);
+  std::vector<FogPeak> peaks;
+  for (int j = std::max(row - cells, along.begin); j < std::min(row + cells + 1, along.end); ++j) {
+    for (int i = std::max(column - cells, across.begin);
+         i < std::min(column + cells + 1, across.end); ++i) {
+      peaks.push_back({{across.coefficient(i), along.coefficient(j)},
+                       Vec2(across.first + i * cell_, along.first + j * cell_)});
+    }
+  }
+  return peaks;
 }
 
 void FogPainter::begin() {
@@ -130,30 +223,45 @@ bool FogPainter::redo() {
   return true;
 }
 
-FogPainter::Rect FogPainter::under(const Vec2& at, double radius) const {
-  const double half = 0.5 * (degree_ + 1);
-  const int count[] = {grid_.columns, grid_.rows};
-  Rect rect{};
-  for (int axis = 0; axis < 2; ++axis) {
-    const double middle = (at[axis] - origin_[axis]) / cell_ - half, reach = radius / cell_;
-    const auto clamped = [&](double index) {
-      return static_cast<int>(std::clamp(index, 0.0, static_cast<double>(count[axis])));
-    };
-    rect.begin[axis] = clamped(std::ceil(middle - reach));
-    rect.end[axis] = clamped(std::floor(middle + reach) + 1);
+/// Indices of coefficients under a brush, and its weight over each: of one that is shown at several
+/// places, the largest.
+std::vector<std::pair<std::size_t, double>> FogPainter::under(const FogBrush& brush,
+                                                              const Vec2& at) const {
+  const Shown across = shown(0), along = shown(1);
+  const auto [left, right] = across.within(at.x(), brush.radius, cell_);
+  const auto [low, high] = along.within(at.y(), brush.radius, cell_);
+  std::vector<std::pair<std::size_t, double>> weights;
+  for (int j = low; j < high; ++j) {
+    for (int i = left; i < right; ++i) {
+      const Vec2 peak(across.first + i * cell_, along.first + j * cell_);
+      weights.emplace_back(
+          static_cast<std::size_t>(along.coefficient(j)) * grid_.columns + across.coefficient(i),
+          across.share(i) * along.share(j) * brush.weight((peak - at).norm()));
+    }
   }
-  return rect;
+  if (drift_.border == FogBorder::kZero)
+    return weights;
+  std::ranges::sort(weights, std::greater());
+  const auto same = std::ranges::unique(weights, {}, &std::pair<std::size_t, double>::first);
+  weights.erase(same.begin(), same.end());
+  return weights;
 }
 
 /// With weights 1 2 1 along each axis, of those that there are.
 double FogPainter::meanAround(int i, int j) const {
+  const bool repeats = drift_.border == FogBorder::kRepeat;
   double sum = 0, weights = 0;
   for (int dj = -1; dj <= 1; ++dj) {
     for (int di = -1; di <= 1; ++di) {
-      if (i + di < 0 || j + dj < 0 || i + di >= grid_.columns || j + dj >= grid_.rows)
+      int column = i + di, row = j + dj;
+      if (repeats) {
+        column = (column + grid_.columns) % grid_.columns;
+        row = (row + grid_.rows) % grid_.rows;
+      }
+      if (column < 0 || row < 0 || column >= grid_.columns || row >= grid_.rows)
         continue;
       const double weight = (2 - std::abs(di)) * (2 - std::abs(dj));
-      sum += weight * grid_.at(i + di, j + dj);
+      sum += weight * grid_.at(column, row);
       weights += weight;
     }
   }
@@ -161,26 +269,21 @@ double FogPainter::meanAround(int i, int j) const {
 }
 
 bool FogPainter::dab(const FogBrush& brush, const Vec2& at, double seconds) {
-  const Rect rect = under(at, brush.radius);
-  std::vector<double> values;
-  for (int j = rect.begin[1]; j < rect.end[1]; ++j) {
-    for (int i = rect.begin[0]; i < rect.end[0]; ++i) {
-      const double share = brush.strength * seconds * brush.weight((peakOf({i, j}) - at).norm());
-      const double old = grid_.at(i, j);
-      const double change = brush.kind == FogBrush::Kind::kSmooth
-                                ? std::min(share, 1.0) * (meanAround(i, j) - old)
-                            : brush.kind == FogBrush::Kind::kAdd ? share * most_
-                                                                 : -share * most_;
-      values.push_back(std::clamp(old + change, 0.0, most_));
-    }
+  auto values = under(brush, at);
+  for (auto& [index, value] : values) {
+    const double share = brush.strength * seconds * value;
+    const double old = grid_.c[index];
+    const int columns = grid_.columns, k = static_cast<int>(index);
+    const double change = brush.kind == FogBrush::Kind::kSmooth
+                              ? std::min(share, 1.0) * (meanAround(k % columns, k / columns) - old)
+                          : brush.kind == FogBrush::Kind::kAdd ? share * most_
+                                                               : -share * most_;
+    value = std::clamp(old + change, 0.0, most_);
   }
   bool changed = false;
-  auto value = values.begin();
-  for (int j = rect.begin[1]; j < rect.end[1]; ++j) {
-    for (int i = rect.begin[0]; i < rect.end[0]; ++i) {
-      changed |= grid_.at(i, j) != *value;
-      grid_.at(i, j) = *value++;
-    }
+  for (const auto& [index, value] : values) {
+    changed |= grid_.c[index] != value;
+    grid_.c[index] = value;
   }
   return changed;
 }

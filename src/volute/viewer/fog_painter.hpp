@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "volute/camera/lens.hpp"
 #include "volute/fog/fog_map.hpp"
 #include "volute/fog/fog_medium.hpp"
 #include "volute/image/image.hpp"
+#include "volute/media/fog/fog_file.hpp"
 
 namespace volute {
 
@@ -40,6 +42,18 @@ struct FogPlace {
   bool operator==(const FogPlace&) const = default;
 };
 
+/// Where the wind has blown a map, and what it brings in.
+struct FogDrift {
+  Vec2 by = Vec2::Zero();  ///< [m]
+  FogBorder border = FogBorder::kZero;
+};
+
+/// Where a coefficient of a map that drifts is shown.
+struct FogPeak {
+  FogPlace place;
+  Vec2 at;  ///< where it has most weight [m]
+};
+
 /// Paints the coefficients of a map of fog (Giroud and Biri 2010, section 5): strokes of a brush,
 /// and single coefficients. Values stay within 0 and the map's largest. Strokes can be undone.
 class FogPainter {
@@ -58,19 +72,32 @@ class FogPainter {
 
   double cell() const { return cell_; }  ///< [m]
 
-  /// The map has moved, as wind does it, or has splines of another degree.
+  /// The map lies elsewhere, or has splines of another degree.
   void place(const Vec2& origin, int degree);
 
-  /// What the map covers [m], from its corner of least coordinates.
+  /// The map is where the wind has blown it: what is painted goes to the coefficients shown there.
+  void blow(const FogDrift& drift) { drift_ = drift; }
+
+  /// The same map with another largest value [1/m] and cell [m]: values, and those that undo()
+  /// gives back, are shares of the largest.
+  void rescale(double most, double cell);
+
+  /// What the map covers in calm air [m], from its corner of least coordinates.
   Vec2 origin() const { return origin_; }
 
   Vec2 size() const;
 
-  /// Where a coefficient has most weight [m].
+  /// Where a coefficient has most weight in calm air [m].
   Vec2 peakOf(const FogPlace& place) const;
 
-  /// The coefficient whose peak is nearest, if `at` [m] is on the map.
+  /// The coefficient shown nearest, if `at` [m] is on the map.
   std::optional<FogPlace> nearest(const Vec2& at) const;
+
+  /// Those shown around `at` [m], so many to each side of the nearest.
+  std::vector<FogPeak> around(const Vec2& at, int cells) const;
+
+  /// Where a point of the map in calm air is now [m].
+  Vec2 blown(const Vec2& calm) const;
 
   double valueOf(const FogPlace& place) const { return grid_.at(place.column, place.row); }
 
@@ -119,8 +146,10 @@ class FogPainter {
 
   static constexpr std::size_t kNever = static_cast<std::size_t>(-1);
 
-  struct Rect;
-  Rect under(const Vec2& at, double radius) const;
+  struct Shown;
+  Shown shown(int axis) const;
+  bool covers(const Vec2& at) const;
+  std::vector<std::pair<std::size_t, double>> under(const FogBrush& brush, const Vec2& at) const;
   bool dab(const FogBrush& brush, const Vec2& at, double seconds);
   double meanAround(int i, int j) const;
   void apply(const Step& step, const std::vector<double>& values);
@@ -130,6 +159,7 @@ class FogPainter {
   double cell_;
   int degree_;
   double most_;
+  FogDrift drift_;
   std::optional<SplineGrid> begun_;  ///< the map when the stroke began
   std::deque<Step> past_;
   std::vector<Step> future_;

@@ -127,6 +127,45 @@ TEST(FogPainter, StandsWhereTheFogStands) {
   }
 }
 
+/// 48 x 32 m of fog that the wind has moved by 36 m: what left came in on the other side.
+TEST(FogPainter, PaintsWhatIsShownWhereTheWindBringsItIn) {
+  FogPainter painter(SplineGrid(12, 8), Vec2::Zero(), 4, 1, kMax);
+  painter.blow({Vec2(36, 0), FogBorder::kRepeat});
+  const Vec2 at(20, 16);
+  EXPECT_EQ(painter.nearest(at), (FogPlace{7, 3})) << "which peaks at 32 m in calm air";
+  EXPECT_EQ(painter.blown(painter.peakOf({7, 3})), at);
+  ASSERT_TRUE(painter.paint({.radius = 3}, at, at, 1));
+  for (int j = 0; j < 8; ++j) {
+    for (int i = 0; i < 12; ++i)
+      EXPECT_EQ(painter.valueOf({i, j}) > 0, i == 7 && j == 3) << i << ", " << j;
+  }
+  EXPECT_FALSE(painter.nearest(Vec2(58, 16))) << "nothing is shown there";
+  EXPECT_FALSE(painter.paint({.radius = 3}, Vec2(58, 16), Vec2(58, 16), 1));
+  const auto around = painter.around(at, 1);
+  ASSERT_EQ(around.size(), 9U);
+  EXPECT_EQ(around[4].place, (FogPlace{7, 3}));
+  EXPECT_EQ(around[4].at, at);
+  painter.blow({Vec2(36, 0), FogBorder::kZero});
+  EXPECT_FALSE(painter.nearest(at)) << "clear air";
+  EXPECT_EQ(painter.nearest(Vec2(36 + 20, 16)), (FogPlace{4, 3}));
+}
+
+TEST(FogPainter, ValuesAreSharesOfTheLargest) {
+  FogPainter painter = painterOf();
+  painter.set({4, 4}, 0.01);
+  painter.set({5, 4}, 0.03);
+  painter.undo();
+  painter.rescale(2 * kMax, 3);
+  EXPECT_EQ(painter.most(), 2 * kMax);
+  EXPECT_EQ(painter.cell(), 3);
+  EXPECT_DOUBLE_EQ(painter.valueOf({4, 4}), 0.02);
+  ASSERT_TRUE(painter.redo());
+  EXPECT_DOUBLE_EQ(painter.valueOf({5, 4}), 0.06);
+  ASSERT_TRUE(painter.undo() && painter.undo());
+  EXPECT_EQ(painter.valueOf({4, 4}), 0);
+  EXPECT_FALSE(painter.changed());
+}
+
 RC_GTEST_PROP(FogPainterProperty, UndoAndRedoWalkTheSameWay, ()) {
   FogPainter painter =
       painterOf(*rc::gen::inRange(1, 30), *rc::gen::inRange(1, 30), *rc::gen::inRange(0, 4));

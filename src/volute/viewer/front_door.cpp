@@ -252,9 +252,10 @@ void drawReplacePanel(ViewerApp& app, const ViewerInput& input) {
   const std::string kTitle = tr("The file exists") + std::string("###file exists");
   if (!beginQuestion(kTitle, app.document().files().replacing(), input, 380))
     return;
-  if (app.document().files().replacing()) {
-    wrappedText(fmt::format(fmt::runtime(tr("{} is there already.")),
-                            app.document().files().replacing()->target));
+  if (const auto* replacing = app.document().files().replacing()) {
+    wrappedText(fmt::format(fmt::runtime(tr("{} is there already.")), replacing->target));
+    if (!replacing->loses.empty())
+      wrappedText(tr(replacing->loses));
     const bool replaces = markedButton(app, "Replace it", "replace");
     ImGui::SameLine();
     const bool keeps = markedButton(app, "Cancel", "keep");

@@ -66,22 +66,16 @@ void drawStems(const PaintTool& paint, const Lines& lines) {
   constexpr int kAround = 5;
   const FogPainter& painter = paint.painter();
   const auto held = paint.held();
-  if (!held)
+  if (!held || !paint.heldAt())
     return;
-  for (int dj = -kAround; dj <= kAround; ++dj) {
-    for (int di = -kAround; di <= kAround; ++di) {
-      const FogPlace place{held->column + di, held->row + dj};
-      if (place.column < 0 || place.row < 0 || place.column >= painter.coefficients().columns ||
-          place.row >= painter.coefficients().rows)
-        continue;
-      const bool own = di == 0 && dj == 0;
-      const Vec3 foot = onGround(paint, painter.peakOf(place));
-      const double height = paint.stem() * painter.valueOf(place) / painter.most();
-      const Vec3 top = foot + height * Vec3::UnitZ();
-      const ImU32 color = own ? IM_COL32(253, 231, 37, 255) : IM_COL32(94, 201, 178, 130);
-      lines.line(foot, top, color, own ? 3.0F : 1.5F);
-      lines.dot(top, own ? 5.0F : 2.5F, color);
-    }
+  for (const auto& [place, at] : painter.around(*paint.heldAt(), kAround)) {
+    const bool own = place == *held;
+    const Vec3 foot = onGround(paint, at);
+    const double height = paint.stem() * painter.valueOf(place) / painter.most();
+    const Vec3 top = foot + height * Vec3::UnitZ();
+    const ImU32 color = own ? IM_COL32(253, 231, 37, 255) : IM_COL32(94, 201, 178, 130);
+    lines.line(foot, top, color, own ? 3.0F : 1.5F);
+    lines.dot(top, own ? 5.0F : 2.5F, color);
   }
 }
 

@@ -13,6 +13,15 @@ namespace {
 
 constexpr float kPaintLabels = 70;
 
+/// Which map is painted, where there are several.
+void mapPart(ViewerApp& app) {
+  FogPainting& painting = app.tools().painting;
+  const auto names = painting.names();
+  int chosen = static_cast<int>(painting.chosen());
+  if (names.size() > 1 && choiceBox(app, "map", "painted map", names, chosen))
+    painting.choose(static_cast<std::size_t>(chosen));
+}
+
 void toolPart(ViewerApp& app) {
   PaintTool& paint = app.tools().painting.tool();
   int kind = static_cast<int>(paint.kind);
@@ -53,7 +62,7 @@ void historyPart(ViewerApp& app) {
     app.tools().painting.send();
 }
 
-/// The map from above, to be painted on.
+/// The map from above as it lies in calm air, to be painted on.
 void planPart(ViewerApp& app, const ViewerInput& input) {
   PaintTool& paint = app.tools().painting.tool();
   const FogPainter& painter = paint.painter();
@@ -84,6 +93,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
   if (ImGui::IsItemHovered() || ImGui::IsItemActive()) {
     const ImVec2 mouse = ImGui::GetIO().MousePos;
     PaintHand hand;
+    hand.onPlan = true;
     hand.at = origin + Vec2((mouse.x - from.x) / scale, (to.y - mouse.y) / scale);
     hand.pressed = ImGui::IsItemActive();
     hand.seconds = input.seconds;
@@ -95,7 +105,7 @@ void planPart(ViewerApp& app, const ViewerInput& input) {
       list->AddCircle(onScreen(*hand.at), scale * static_cast<float>(paint.brush.radius), color);
     else if (const auto held = paint.held())
       list->AddCircle(onScreen(painter.peakOf(*held)), 5, color, 0, 2);
-  } else if (!app.settings().painting && ImGui::IsMouseReleased(0)) {
+  } else if (paint.onPlan() || (!app.settings().painting && ImGui::IsMouseReleased(0))) {
     paint.hold({});
   }
 }
@@ -139,6 +149,7 @@ void drawPaintPanel(ViewerApp& app, const ViewerInput& input, float below) {
     layout.measure(SidePanel::kPaint, ImGui::GetFrameHeight());
   if (beginSidePanel(app, SidePanel::kPaint, "Paint fog", kPanelMargin, below)) {
     ImGui::PushItemWidth(-kPaintLabels);
+    mapPart(app);
     ImGui::Checkbox(tr("paint in the view"), &app.settings().painting);
     app.window().mark("paint in the view");
     hint("left button: paint on the ground; right button: turn");

@@ -19,42 +19,42 @@ FogBrush::Kind brushKind(PaintTool::Kind kind) {
 
 }  // namespace
 
-void PaintTool::take(const FogCanvas& canvas, std::size_t number, int opened) {
+void PaintTool::take(const FogCanvas& canvas, int opened) {
   const FogPainter fresh(*canvas.fog, canvas.most);
-  const bool sameFile = canvas_.file == canvas.file || savesAs_ == canvas.file;
-  const bool sameMap = painter_ && sameFile && number_ == number &&
-                       painter_->cell() == fresh.cell() && painter_->most() == fresh.most() &&
+  const bool sameMap = holds(canvas) &&
                        painter_->coefficients().columns == fresh.coefficients().columns &&
                        painter_->coefficients().rows == fresh.coefficients().rows;
-  const bool sameDocument = sameMap && opened_ == opened;
-  if (!sameDocument) {
-    if (sameMap && painter_->changed()) {
-      unsent_ = true;  // the file was read again, but the strokes are still wanted
-    } else {
-      const bool anew = !sameMap;
-      painter_ = fresh;
-      if (canvas.unsaved)
-        painter_->markUnsaved();
-      if (anew)
-        brush.radius = std::max(2 * fresh.cell(), 0.06 * fresh.size().minCoeff());
-    }
+  const bool worked =
+      sameMap && (painter_->changed() || painter_->canUndo() || painter_->canRedo());
+  const bool stays = worked && (opened_ == opened || painter_->changed());
+  if (stays) {
+    painter_->rescale(canvas.most, fresh.cell());
+    unsent_ = opened_ != opened;  // the file was read again, but the strokes are still wanted
+  } else {
+    painter_ = fresh;
+    if (canvas.unsaved)
+      painter_->markUnsaved();
+    if (!sameMap)
+      brush.radius = std::max(2 * fresh.cell(), 0.06 * fresh.size().minCoeff());
   }
   painter_->place(fresh.origin(), canvas.fog->options().degree);
-  origin_ = fresh.origin();
+  painter_->blow(drift_);
   canvas_ = canvas;
-  number_ = number;
   opened_ = opened;
   const Interval heights = canvas.fog->profile().heights();
   const double base = canvas.fog->domainCorner().z();
   const double low = heights.begin > kFarDown ? heights.begin : 0;
-  ground_ = base + low;
+  lowest_ = ground_ = base + low;
   stem_ =
       std::clamp(heights.end - low, 0.05 * fresh.size().minCoeff(), 0.25 * fresh.size().minCoeff());
 }
 
 void PaintTool::setTime(double time) {
-  if (painter_)
-    painter_->place(origin_ + time * canvas_.wind.head<2>(), canvas_.fog->options().degree);
+  if (!painter_)
+    return;
+  drift_ = {time * canvas_.wind.head<2>(), canvas_.border};
+  ground_ = lowest_ + time * canvas_.wind.z();
+  painter_->blow(drift_);
 }
 
 std::optional<Vec2> PaintTool::onGround(const Segment& ray) const {
@@ -69,13 +69,17 @@ bool PaintTool::hold(const PaintHand& hand) {
   brush.kind = brushKind(kind);
   const bool begins = hand.pressed && !pressed_, ends = !hand.pressed && pressed_;
   pressed_ = hand.pressed;
-  const auto from = at_;
-  at_ = hand.at;
+  onPlan_ = hand.onPlan;
+  const auto from = std::exchange(from_, hand.at);
+  at_ = hand.at && hand.onPlan ? painter_->blown(*hand.at) : hand.at;
+  if (hand.onPlan)
+    painter_->blow({});
   hovered_ = hand.at && kind == Kind::kCoefficient ? painter_->nearest(*hand.at) : std::nullopt;
   bool changed = false;
   if (begins) {
     painter_->begin();
     held_ = hovered_;
+    heldAt_ = at_;
   }
   if (hand.pressed && kind == Kind::kCoefficient && held_) {
     const double step = hand.up / kPixelsForAll * painter_->most();
@@ -87,6 +91,7 @@ bool PaintTool::hold(const PaintHand& hand) {
     painter_->end();
     held_.reset();
   }
+  painter_->blow(drift_);
   return changed;
 }
 

@@ -15,6 +15,7 @@ namespace volute {
 /// What a hand does over a map of fog between two frames, in the 3D view or in the plan.
 struct PaintHand {
   std::optional<Vec2> at;  ///< on the ground [m]; nothing: elsewhere
+  bool onPlan = false;     ///< `at` is on the map as it lies in calm air
   bool pressed = false;    ///< the button is held
   double up = 0;           ///< [pixels] since the last frame
   double seconds = 0;      ///< likewise
@@ -26,7 +27,12 @@ class PaintTool {
   enum class Kind { kAdd, kRemove, kSmooth, kCoefficient };
 
   /// Takes up a canvas of a document. `opened` counts documents: the strokes of the same map stay.
-  void take(const FogCanvas& canvas, std::size_t number, int opened);
+  void take(const FogCanvas& canvas, int opened);
+
+  /// Whether it holds the map of this canvas.
+  bool holds(const FogCanvas& canvas) const {
+    return painter_ && (canvas_.file == canvas.file || savesAs_ == canvas.file);
+  }
 
   void drop() { painter_.reset(); }
 
@@ -40,8 +46,6 @@ class PaintTool {
   const FogPainter& painter() const { return *painter_; }
 
   const FogCanvas& canvas() const { return canvas_; }
-
-  std::size_t number() const { return number_; }
 
   /// Where the map lies at a time of the document [s]; wind blows it.
   void setTime(double time);
@@ -60,7 +64,13 @@ class PaintTool {
   /// Which coefficient is under the hand or held by it.
   std::optional<FogPlace> held() const { return held_ ? held_ : hovered_; }
 
-  std::optional<Vec2> at() const { return at_; }  ///< where the hand is
+  /// Where that is, or was when it was taken [m].
+  std::optional<Vec2> heldAt() const { return held_ ? heldAt_ : hovered_ ? at_ : std::nullopt; }
+
+  std::optional<Vec2> at() const { return at_; }  ///< where the hand is in the scene [m]
+
+  /// Whether a stroke on the plan goes on.
+  bool onPlan() const { return pressed_ && onPlan_; }
 
   /// True once after take() found strokes that the document does not have.
   bool takeUnsent() { return std::exchange(unsent_, false); }
@@ -71,13 +81,12 @@ class PaintTool {
  private:
   FogCanvas canvas_;
   std::string savesAs_;
-  std::size_t number_ = 0;
   int opened_ = -1;
   std::optional<FogPainter> painter_;
-  Vec2 origin_ = Vec2::Zero();
-  double ground_ = 0, stem_ = 10;
-  bool pressed_ = false, unsent_ = false;
-  std::optional<Vec2> at_;
+  FogDrift drift_;
+  double lowest_ = 0, ground_ = 0, stem_ = 10;  ///< lowest_: the ground in calm air
+  bool pressed_ = false, onPlan_ = false, unsent_ = false;
+  std::optional<Vec2> at_, from_, heldAt_;  ///< from_: where the hand was, as it said
   std::optional<FogPlace> held_, hovered_;
 };
 

@@ -153,6 +153,7 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"photometric", "photometrisch"},
     {"there is no map of fog to paint on", "es gibt keine Nebelkarte, auf die man malen kann"},
     {"paint fog", "Nebel malen"},
+    {"map", "Karte"},
     {"restored", "wiederhergestellt"},
     {"{} cannot be written: unsaved changes are lost if the viewer ends without asking",
      "{} kann nicht geschrieben werden: Ungespeichertes ist verloren, wenn das Programm endet, "
@@ -199,6 +200,8 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
     {"The scene has unsaved changes. {}, save it as",
      "Die Szene hat ungesicherte Änderungen. {}: sichern als"},
     {"{} is there already.", "{} gibt es schon."},
+    {"A map is grey: its colours or transparency are lost.",
+     "Eine Karte ist grau: Farben oder Transparenz gehen verloren."},
     {"no command has these words", "kein Befehl hat diese Wörter"},
     // Hints.
     {"a file: Ctrl O", "eine Datei: Strg O"},

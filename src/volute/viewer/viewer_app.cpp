@@ -75,9 +75,10 @@ Result<std::unique_ptr<ViewerApp>> ViewerApp::create(OpenDocument open,
 LeaveQuestion::Actions ViewerApp::leaveActions() {
   using What = LeaveQuestion::What;
   return {.unsaved =
-              [this](What what) {
+              [this](What what, std::size_t passed) {
                 const DocumentInfo* info = document_.info();
-                return what == What::kMap ? tools_.painting.unsaved() : info && info->changed;
+                return what == What::kMap ? tools_.painting.chooseUnsaved(passed)
+                                          : info && info->changed;
               },
           .save =
               [this](What what) {

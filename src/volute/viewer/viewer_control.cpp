@@ -187,6 +187,9 @@ void ViewerApp::keys(const ViewerInput& input) {
 /// The left button paints where the pointer meets the ground.
 void ViewerApp::paintInView(const ViewerInput& input) {
   const bool ours = !ImGui::GetIO().WantCaptureMouse;
+  tools_.painting.tool().setTime(playback_.timeline().time());
+  if (tools_.painting.tool().onPlan() && input.buttons[0])
+    return;  // planPart() has the hand
   PaintHand hand;
   hand.seconds = input.seconds;
   hand.up = pointer_.y - input.mouseY;
@@ -195,7 +198,6 @@ void ViewerApp::paintInView(const ViewerInput& input) {
   const Camera camera = view_.camera().camera(input.width, input.height);
   if (ours || pointer_.strokes)
     hand.at = tools_.painting.tool().onGround(camera.ray(input.mouseX, input.mouseY));
-  tools_.painting.tool().setTime(playback_.timeline().time());
   if (tools_.painting.tool().hold(hand))
     tools_.painting.send();
 }

@@ -139,7 +139,7 @@ void ViewerDocument::redo() {
 
 void LeaveQuestion::leaveFor(const std::string& path) {
   for (const What what : {What::kMap, What::kScene}) {
-    if (actions_.unsaved(what)) {
+    if (actions_.unsaved(what, 0)) {
       asked_ = Asked{path, what};
       return;
     }
@@ -162,7 +162,10 @@ void LeaveQuestion::save() {
 /// What is in no file besides is asked about next.
 void LeaveQuestion::discard() {
   const Asked left = *std::exchange(asked_, std::nullopt);
-  if (left.what == What::kMap && actions_.unsaved(What::kScene))
+  const std::size_t passed = left.passed + 1;
+  if (left.what == What::kMap && actions_.unsaved(What::kMap, passed))
+    asked_ = Asked{left.path, What::kMap, false, passed};
+  else if (left.what == What::kMap && actions_.unsaved(What::kScene, 0))
     asked_ = Asked{left.path, What::kScene};
   else
     go(left.path);
@@ -172,7 +175,7 @@ void LeaveQuestion::goOn() {
   if (!asked_ || !asked_->saving)
     return;
   asked_->saving = false;
-  if (!actions_.unsaved(asked_->what))
+  if (!actions_.unsaved(asked_->what, asked_->passed))
     discard();
 }
 

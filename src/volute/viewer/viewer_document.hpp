@@ -124,7 +124,8 @@ class LeaveQuestion {
   enum class What { kMap, kScene };
 
   struct Actions {
-    std::function<bool(What)> unsaved;
+    /// Whether there is such a thing, but for the first `passed`; it then is what save() saves.
+    std::function<bool(What, std::size_t passed)> unsaved;
     std::function<void(What)> save;
     std::function<void(const std::string& path)> open;
   };
@@ -132,7 +133,8 @@ class LeaveQuestion {
   struct Asked {
     std::string path;  ///< empty: the viewer ends
     What what = What::kMap;
-    bool saving = false;  ///< it is being written
+    bool saving = false;     ///< it is being written
+    std::size_t passed = 0;  ///< of its kind, that a person discarded
   };
 
   explicit LeaveQuestion(Actions actions) : actions_(std::move(actions)) {}

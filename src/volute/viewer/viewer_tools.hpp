@@ -10,31 +10,42 @@
 
 namespace volute {
 
-/// Painting on a map of fog of the document.
+/// Painting on the maps of fog of the document, one of which is in hand.
 class FogPainting {
  public:
   FogPainting(ViewerSettings& settings, ViewerDocument& document)
       : settings_(settings), document_(document) {}
 
-  PaintTool& tool() { return tool_; }
+  PaintTool& tool() { return maps_[chosen_].tool; }
 
-  const PaintTool& tool() const { return tool_; }
+  const PaintTool& tool() const { return maps_[chosen_].tool; }
 
-  /// The document has changed. `another`: its file gives the map's name.
+  /// What the document's maps are called; none or one: there is nothing to choose.
+  std::vector<std::string> names() const;
+
+  /// Which of them is in hand.
+  std::size_t chosen() const { return chosen_; }
+
+  void choose(std::size_t map);
+
+  /// The document has changed. `another`: its files give the maps' names.
   void take(const DocumentInfo& info, bool another);
 
   void drop();
 
   /// Whether fog was painted that no file has.
-  bool unsaved() const { return tool_.has() && tool_.painter().changed(); }
+  bool unsaved() const;
+
+  /// Takes such a map in hand, the first but for so many; false: there is none.
+  bool chooseUnsaved(std::size_t passed);
 
   /// Hands what was painted to the document.
-  void send();
+  void send() { send(chosen_); }
 
   void save();
 
   /// What was not saved by now cannot be.
-  void endSaving() { savedVersion_.reset(); }
+  void endSaving();
 
   void undo();
   void redo();
@@ -43,11 +54,23 @@ class FogPainting {
   GLuint plan();
 
  private:
+  struct Map {
+    PaintTool tool{};
+    std::string target{};  ///< where it would be saved, while another is in hand
+    std::optional<std::size_t> savedVersion{};  ///< what is on its way to a file
+
+    bool unsaved() const { return tool.has() && tool.painter().changed(); }
+  };
+
+  void send(std::size_t map);
+
   ViewerSettings& settings_;
   ViewerDocument& document_;
-  PaintTool tool_;
+  std::vector<Map> maps_ =
+      std::vector<Map>(1);     ///< of the document, in its order; without any, one of none
+  std::vector<Map> others_{};  ///< whose fog was removed, and may come back
+  std::size_t chosen_ = 0;
   FogPlan plan_;
-  std::optional<std::size_t> savedVersion_;  ///< of the painted map, on its way to a file
 };
 
 /// What a pointer is over, and what it puts there.
