@@ -413,5 +413,40 @@ TEST_F(PaintControls, EachFogOfASceneIsPainted) {
   EXPECT_EQ(*readText(folder_.path("map.png")), map);
 }
 
+TEST_F(PaintControls, ItIsSaidThatNoFileHasWhatWasPainted) {
+  const auto folder = std::filesystem::current_path();
+  std::filesystem::current_path(std::filesystem::path(folder_.path("x")).parent_path());
+  ASSERT_NO_FATAL_FAILURE(unfold("dull.json"));
+  const auto report = [&] {
+    script_->press(Key::kF12, true);
+    EXPECT_NE(app().report().job(), nullptr);
+    const std::string page = app().report().job()->target().string();
+    for (int i = 0; i < 2000 && app().report().job(); ++i) {
+      script_->frame();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return *readText(page);
+  };
+  const char* const kPainted =
+      "map.png: the fog painted on it, which the picture shows, is in no file";
+  const char* const kChanged = "the scene is shown with changes that are in no file";
+  std::string page = report();
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr(kPainted)));
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr(kChanged)));
+  ASSERT_NO_FATAL_FAILURE(stroke());
+  EXPECT_THAT(report(), ::testing::HasSubstr(kPainted));
+  app().document().set(parameterAt("/media/0/sigma_max"), {0.2});
+  load();
+  EXPECT_THAT(report(), ::testing::HasSubstr(kChanged));
+  saveAs("said.json");
+  EXPECT_THAT(app().document().message(), ::testing::HasSubstr("map.png is not saved"));
+  press("Save map");
+  saveAs("said.json");
+  EXPECT_THAT(app().document().message(), ::testing::Not(::testing::HasSubstr("not saved")));
+  page = report();
+  EXPECT_THAT(page, ::testing::Not(::testing::HasSubstr("in no file")));
+  std::filesystem::current_path(folder);
+}
+
 }  // namespace
 }  // namespace volute

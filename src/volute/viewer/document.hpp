@@ -47,6 +47,9 @@ struct FogCanvas {
   bool unsaved = false;            ///< it was painted, and no file has it
 };
 
+/// What the maps are called that were painted and that no file has: "a.png, b.png"; empty: none.
+std::string unsavedMaps(const std::vector<FogCanvas>& canvases);
+
 /// A camera of a capture.
 struct ViewStation {
   std::string name;

@@ -42,6 +42,15 @@ Result<Canvas> canvasAt(const Scene& scene, std::size_t i) {
 
 }  // namespace
 
+std::string unsavedMaps(const std::vector<FogCanvas>& canvases) {
+  std::string names;
+  for (const FogCanvas& canvas : canvases) {
+    if (canvas.unsaved)
+      names += (names.empty() ? "" : ", ") + canvas.name;
+  }
+  return names;
+}
+
 std::vector<FogCanvas> SceneDocument::canvases() const {
   std::vector<FogCanvas> canvases;
   for (const Canvas& canvas : canvasesOf(scene_)) {

@@ -127,6 +127,10 @@ Status ReportJob::write() {
     return fail(ErrorCode::kCancelled, "{}: stopped", order_.target.string());
   Json remarks = Json::array();
   for (const std::string& remark : document_.remarks) remarks.push_back(remark);
+  if (const std::string maps = unsavedMaps(document_.canvases); !maps.empty())
+    remarks.push_back(maps + ": the fog painted on it, which the picture shows, is in no file");
+  if (document_.changed)
+    remarks.push_back("the scene is shown with changes that are in no file");
   return writePage(order_.target, document_.title,
                    *figure + htmlWarnings(remarks) + "<h2>View</h2>\n" + htmlTable({}, view) +
                        parameterTable(document_.parameters) + files);

@@ -202,12 +202,15 @@ void ViewerApp::saveScene() {
   const std::string target = settings_.sceneName;
   if (!document_.info() || !document_.files().mayWrite(target, [this] { saveScene(); }))
     return;
-  document_.loader().change("save scene",
-                            [target, view = view_.camera().view(), look = view_.look()](
-                                Document& document, Progress&) -> Result<std::string> {
-                              VOLUTE_TRY(document.save(target, view, look));
-                              return target + " is written";
-                            });
+  document_.loader().change(
+      "save scene",
+      [target, view = view_.camera().view(), look = view_.look()](
+          Document& document, Progress&) -> Result<std::string> {
+        VOLUTE_TRY(document.save(target, view, look));
+        const std::string maps = unsavedMaps(document.info().canvases);
+        return target + " is written" +
+               (maps.empty() ? "" : "; the fog painted on " + maps + " is not saved yet");
+      });
 }
 
 void ViewerApp::beginFilm(const ViewerInput& input) {
