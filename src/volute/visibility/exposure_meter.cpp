@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "volute/base/parallel.hpp"
 
@@ -185,6 +186,7 @@ ExposureMeter::ExposureMeter(AirField air, std::span<const Criterion> criteria, 
   }
   unknown_.assign(criteria_.size(), std::vector<char>(people, 0));
   there_.assign(people, 0);
+  since_.assign(people, 0);
 }
 
 std::uint64_t ExposureMeter::bytesOfPerson(const AirField& air, std::span<const Criterion> criteria,
@@ -243,7 +245,7 @@ bool ExposureMeter::isAssessed(std::size_t criterion) const {
 }
 
 Status ExposureMeter::advance(double time, const Places& places, const Smoke& smoke, double step,
-                              const SmokeBetween& between) {
+                              const SmokeBetween& between, std::span<const Turn> turns) {
   if (criteria_.empty())
     return {};
   if (!begun_) {
@@ -262,11 +264,26 @@ Status ExposureMeter::advance(double time, const Places& places, const Smoke& sm
   smokeSpan_ = {begunSmoke_ ? smokeSpan_.until : time, time};
   tookLeast_ = tookLeast_ || !smoke.least.empty();
   std::vector<double> most(between ? people_ : 0), least(smoke.least.empty() ? 0 : most.size());
-  for (const double early : times) {
+  const auto take = [&](double early, std::span<const Turn> alone) {
     if (between && begun_ && begunSmoke_)
       between(early, most, least);
-    VOLUTE_TRY(sample(early, places, begunSmoke_ ? Smoke{most, least} : Smoke{}));
+    return sample(early, places, begunSmoke_ ? Smoke{most, least} : Smoke{}, alone);
+  };
+  auto turn = std::ranges::upper_bound(turns, last_, {}, &Turn::time);
+  const auto takeTurns = [&](double until) -> Status {
+    while (turn != turns.end() && turn->time < until) {
+      const auto end = std::ranges::upper_bound(turn, turns.end(), turn->time, {}, &Turn::time);
+      VOLUTE_TRY(take(turn->time, {turn, end}));
+      turn = end;
+    }
+    while (turn != turns.end() && turn->time <= until) ++turn;  // is taken with all others
+    return {};
+  };
+  for (const double early : times) {
+    VOLUTE_TRY(takeTurns(early));
+    VOLUTE_TRY(take(early, {}));
   }
+  VOLUTE_TRY(takeTurns(time));
   begunSmoke_ = true;
   return sample(time, places, smoke);
 }
@@ -293,12 +310,17 @@ bool ExposureMeter::hasLeast(std::size_t criterion) const {
   return !most_[criterion].empty() || isOfSmoke(criteria_[criterion]);
 }
 
-Status ExposureMeter::sample(double time, const Places& places, const Smoke& smoke) {
+/// @param alone  who is asked; empty: everybody
+Status ExposureMeter::sample(double time, const Places& places, const Smoke& smoke,
+                             std::span<const Turn> alone) {
   std::vector<Vec3> points(people_), present;
   places(time, points);
-  for (const Vec3& point : points) {
-    if (!std::isnan(point[0]))
-      present.push_back(point);
+  std::vector<std::size_t> people(alone.empty() ? people_ : 0);
+  std::iota(people.begin(), people.end(), std::size_t{0});
+  for (const Turn& one : alone) people.push_back(one.person);
+  for (const std::size_t i : people) {
+    if (!std::isnan(points[i][0]))
+      present.push_back(points[i]);
   }
   // Kept from time to time: what is not stored stays as it was made.
   constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -312,16 +334,18 @@ Status ExposureMeter::sample(double time, const Places& places, const Smoke& smo
   const std::span around(around_.data(), present.size());
   VOLUTE_TRY(air_.at(time, present, air, around));
   std::vector<std::size_t> place(people_);  // in `air`
-  for (std::size_t i = 0, n = 0; i < people_; ++i) place[i] = std::isnan(points[i][0]) ? 0 : n++;
-  const double passed = begun_ ? time - last_ : 0;
+  std::size_t placed = 0;
+  for (const std::size_t i : people) place[i] = std::isnan(points[i][0]) ? 0 : placed++;
   for (std::size_t c = 0; c < criteria_.size(); ++c) {
     const Criterion& criterion = criteria_[c];
     const bool ofSmoke = isOfSmoke(criterion);
     const std::vector<Air> needed = criterion.needed(), taken = criterion.taken();
     Course &means = means_[c], &most = most_[c], &fewest = fewest_[c];
     const bool open = !most.empty(), bounded = hasLeast(c);
-    parallelRanges(people_, 512, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
+    parallelRanges(people.size(), 512, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p) {
+        const std::size_t i = people[p];
+        const double passed = begun_ ? time - since_[i] : 0;
         if (std::isnan(points[i][0])) {
           means.rates[i] = kNotKnown;
           if (open)
@@ -407,7 +431,10 @@ Status ExposureMeter::sample(double time, const Places& places, const Smoke& smo
       }
     });
   }
-  for (std::size_t i = 0; i < people_; ++i) there_[i] = std::isnan(points[i][0]) ? 0 : 1;
+  for (const std::size_t i : people) {
+    there_[i] = std::isnan(points[i][0]) ? 0 : 1;
+    since_[i] = time;
+  }
   last_ = time;
   begun_ = true;
   return {};

@@ -141,12 +141,21 @@ class ExposureMeter {
   using SmokeBetween =
       std::function<void(double time, std::span<double> most, std::span<double> least)>;
 
+  /// When somebody comes or goes [s].
+  struct Turn {
+    double time = 0;
+    std::size_t person = 0;
+  };
+
   /// Goes on to `time` [s], through the stored times between and in steps of at most `step`.
   /// @param smoke  at the places at `time`; where it is not known, its criteria wait.
   /// @param between  null: criteria of the smoke wait for `time`
+  /// @param turns  ascending, of any times: doses begin and end there, not at the next of the
+  /// others
   [[nodiscard]] Status advance(double time, const Places& places, const Smoke& smoke = {},
                                double step = std::numeric_limits<double>::infinity(),
-                               const SmokeBetween& between = nullptr);
+                               const SmokeBetween& between = nullptr,
+                               std::span<const Turn> turns = {});
 
   /// From now on nothing is known of the smoke.
   void loseSmoke();
@@ -182,7 +191,8 @@ class ExposureMeter {
 
  private:
   bool hasLeast(std::size_t criterion) const;
-  Status sample(double time, const Places& places, const Smoke& smoke);
+  Status sample(double time, const Places& places, const Smoke& smoke,
+                std::span<const Turn> alone = {});
 
   /// What a criterion goes by, of each person: the level or the dose so far, the last rate, and the
   /// worst so far.
@@ -207,6 +217,7 @@ class ExposureMeter {
   double last_ = 0;
   std::vector<std::vector<char>> unknown_;
   std::vector<char> there_;      // at the last time
+  std::vector<double> since_;    // that of each
   std::vector<Exposure> inAir_;  // of those who are there, as far as it is stored
   std::vector<AirField::Around> around_;
   std::vector<LevelWatch> watches_;

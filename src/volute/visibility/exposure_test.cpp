@@ -119,6 +119,21 @@ TEST(ExposureMeter, ReachesADoseWhenTheClosedFormDoes) {
   EXPECT_NEAR(meter.times(1).none[1], 200, 1e-9);
 }
 
+// Who is there from 3.1 s to 7.6 s, at a rate that does not change.
+TEST(ExposureMeter, DosesEndWhereSomebodyGoes) {
+  BurningRoom room;
+  const std::vector criteria{fdsDose(1)};
+  ExposureMeter meter(AirField::open(room, criteria), criteria, 2);
+  const auto places = [](double time, std::span<Vec3> out) {
+    out[0] = Vec3(10, 1, 1);
+    out[1] = time < 3.1 || time > 7.6 ? Vec3::Constant(std::nan("")) : Vec3(10, 1, 1);
+  };
+  const std::vector<ExposureMeter::Turn> turns{{3.1, 1}, {7.6, 1}};
+  for (const double t : {0, 10, 20}) ASSERT_TRUE(meter.advance(t, places, {}, 0.5, nullptr, turns));
+  EXPECT_NEAR(meter.values(0)[1] / meter.values(0)[0], 4.5 / 20, 1e-9);
+  EXPECT_FALSE(meter.unknown(0, 1));
+}
+
 TEST(ExposureMeter, SaysWhatIsMissingAssumedOrUnknown) {
   BurningRoom room;
   Criterion irritants{
@@ -330,7 +345,14 @@ TEST(Rset, IsANumberAMapOrPeople) {
   EXPECT_EQ(storeys.at(heights, 1), (std::vector<double>{10, 60}));
   // Somebody who passes between two lines of the table.
   const auto passing = Rset::parse("id,time,x,y\n1,0,-10,0\n1,20,10,0\n", "w.csv").value();
-  EXPECT_NEAR(passing.at(std::vector{Vec3(0, 0, 2)}, 0.5)[0], 10.5, 0.1);
+  EXPECT_NEAR(passing.at(std::vector{Vec3(0, 0, 2)}, 0.5)[0], 10.5, 1e-9);
+  // 2 m in 400 s, past a point that is 0.3 m beside the way.
+  const auto queue = Rset::parse("id,time,x,y\n1,0,0,0\n1,400,2,0\n1,401,9,0\n", "w.csv").value();
+  EXPECT_NEAR(queue.at(std::vector{Vec3(1, 0.3, 2)}, 0.5)[0], 200 * 1.4, 1e-9);
+  EXPECT_TRUE(std::isnan(queue.at(std::vector{Vec3(1, 0.51, 2)}, 0.5)[0]));
+  // Down a stair, until it is more than 2.5 m below.
+  const auto stair = Rset::parse("id,time,x,y,z\n1,0,0,0,4\n1,100,0.1,0,-1\n", "w.csv").value();
+  EXPECT_NEAR(stair.at(std::vector{Vec3(0, 0, 4.5)}, 0.5)[0], 40, 1e-9);
   EXPECT_THAT(Rset::parse("what\n", "bad.csv").error().message, HasSubstr("x,y,rset"));
   EXPECT_THAT(Rset::parse("x,y,rset\n0,1,30\n9,0,50\n0,1,60\n", "map.csv").error().message,
               HasSubstr("map.csv: two times at the place 0, 1: 30 s and 60 s"));

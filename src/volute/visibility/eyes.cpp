@@ -172,44 +172,86 @@ std::size_t Trajectories::outside(const std::function<bool(double z)>& isOn) con
   }));
 }
 
-std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double radius) const {
+namespace {
+
+/// Until where on a straight way somebody is within `radius` of a point, seen from above, and on
+/// its storey, as a share of the way. NaN: nowhere.
+double lastShare(const Vec3& from, const Vec3& to, const Vec3& point, double radius) {
   constexpr double kBelow = -0.6, kAbove = 2.5;  // [m], of points to a person's z
+  constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+  const Vec3 way = to - from;
+  const auto isNear = [&](const Vec3& place) {
+    const double above = point.z() - place.z();
+    return (point - place).head<2>().norm() <= radius && !(above < kBelow || above > kAbove);
+  };
+  if (isNear(to))
+    return 1;
+  double first = 0, last = 1;
+  // |from + s way - point| = radius
+  const Vec3 apart = from - point;
+  const double a = way.head<2>().squaredNorm(), b = apart.head<2>().dot(way.head<2>());
+  const double c = apart.head<2>().squaredNorm() - radius * radius;
+  const double root = std::sqrt(b * b - a * c);
+  if (a > 0) {
+    first = std::max(first, (-b - root) / a);
+    last = std::isnan(root) ? -1 : std::min(last, (-b + root) / a);
+  } else if (c > 0) {
+    return kNowhere;
+  }
+  const double above = point.z() - from.z(), rise = way.z();
+  if (rise == 0 && (above < kBelow || above > kAbove))
+    return kNowhere;
+  if (std::abs(rise) > 0) {  // which is not known of everybody
+    const double low = (above - kBelow) / rise, high = (above - kAbove) / rise;
+    first = std::max(first, std::min(low, high));
+    last = std::min(last, std::max(low, high));
+  }
+  if (first <= last)
+    return last;
+  return isNear(from) ? 0 : kNowhere;
+}
+
+}  // namespace
+
+std::vector<double> Trajectories::lastTimes(std::span<const Vec3> points, double radius) const {
   std::vector<double> last(points.size(), std::numeric_limits<double>::quiet_NaN());
-  // Points in squares of the radius.
+  // Points in squares, of which those around a place hold all that are near the way from half a
+  // radius before it to half a radius behind it.
+  const double side = 2 * radius;
   const auto square = [&](const Vec3& place) {
-    return std::pair(static_cast<std::int64_t>(std::floor(place[0] / radius)),
-                     static_cast<std::int64_t>(std::floor(place[1] / radius)));
+    return std::pair(static_cast<std::int64_t>(std::floor(place[0] / side)),
+                     static_cast<std::int64_t>(std::floor(place[1] / side)));
   };
   std::map<std::pair<std::int64_t, std::int64_t>, std::vector<std::size_t>> squares;
   for (std::size_t i = 0; i < points.size(); ++i) squares[square(points[i])].push_back(i);
-  const auto pass = [&](double time, const Vec3& place) {
-    const auto [x, y] = square(place);
-    for (std::int64_t dy = -1; dy <= 1; ++dy) {
-      for (std::int64_t dx = -1; dx <= 1; ++dx) {
-        const auto found = squares.find({x + dx, y + dy});
-        if (found == squares.end())
-          continue;
-        for (const std::size_t i : found->second) {
-          const double above = points[i].z() - place.z();
-          if ((points[i] - place).head<2>().norm() <= radius && !(time <= last[i]) &&
-              !(above < kBelow || above > kAbove))
-            last[i] = time;
-        }
-      }
-    }
+  const auto pass = [&](const Step& from, const Step& to, std::size_t i) {
+    if (to.time <= last[i])
+      return;
+    const double share = lastShare(from.eye, to.eye, points[i], radius);
+    const double time = share < 1 ? from.time + share * (to.time - from.time) : to.time;
+    if (!std::isnan(share) && !(time <= last[i]))
+      last[i] = time;
   };
-  constexpr double kSteps = 8;  // a radius
+  constexpr double kPieces = 1e5;  // beyond which all points are as near
   for (const auto& steps : steps_) {
-    for (std::size_t n = 0; n < steps.size(); ++n) {
-      pass(steps[n].time, steps[n].eye);
-      if (n + 1 == steps.size())
+    for (std::size_t n = steps.size() > 1 ? 1 : 0; n < steps.size(); ++n) {
+      const Step &from = steps[n == 0 ? 0 : n - 1], &to = steps[n];
+      const Vec3 way = to.eye - from.eye;
+      const double pieces = std::floor(way.head<2>().norm() / radius) + 1;
+      if (pieces > kPieces) {
+        for (std::size_t i = 0; i < points.size(); ++i) pass(from, to, i);
         continue;
-      const Vec3 way = steps[n + 1].eye - steps[n].eye;
-      const auto pieces = static_cast<int>(std::min(kSteps * way.head<2>().norm() / radius, 1e5));
-      for (int i = 1; i <= pieces; ++i) {
-        const double share = i / (pieces + 1.0);
-        pass(steps[n].time + share * (steps[n + 1].time - steps[n].time),
-             steps[n].eye + share * way);
+      }
+      for (int i = 0; i < static_cast<int>(pieces); ++i) {
+        const auto [x, y] = square(from.eye + (i + 0.5) / pieces * way);
+        for (std::int64_t dy = -1; dy <= 1; ++dy) {
+          for (std::int64_t dx = -1; dx <= 1; ++dx) {
+            const auto found = squares.find({x + dx, y + dy});
+            if (found == squares.end())
+              continue;
+            for (const std::size_t point : found->second) pass(from, to, point);
+          }
+        }
       }
     }
   }

@@ -462,9 +462,11 @@ class TrajectoryWatch final : public Watch {
   bool wantsChanges() const override { return false; }
 
   bool wantsExtinction() const override { return true; }
+      for (const double time : {span.from, span.until}) turns_.push_back({time, placeOf(id)});
 
   /// Where people are between a stored time and its neighbours, one time after the other.
   std::vector<Vec3> passed(double time) const override {
+    std::ranges::sort(turns_, {}, &ExposureMeter::Turn::time);
     std::vector<Vec3> all;
     if (survey_->criteria.empty())
       return all;
@@ -549,13 +551,16 @@ class TrajectoryWatch final : public Watch {
         for (const auto& [smoke, out] : {std::pair(&most, mostOut), std::pair(&least, leastOut)}) {
           const double early = (*smoke)[n - 1][i], late = (*smoke)[n][i];
           // Who comes or goes between two of these times is in the smoke of the other one.
-          out[i] = early < 0 ? late : late < 0 ? early : mixed(early, late, share);
+          out[i] = early < 0 && late < 0 ? std::numeric_limits<double>::quiet_NaN()
+                   : early < 0           ? late
+                   : late < 0            ? early
+                                         : mixed(early, late, share);
         }
       }
     };
     VOLUTE_TRY(meter_->advance(
         at.time, [&](double time, std::span<Vec3> out) { placesAt(time, out); },
-        {most.back(), least.back()}, kPassing, between));
+        {most.back(), least.back()}, kPassing, between, turns_));
     lastTime_ = at.time;
     return {};
   }
@@ -732,6 +737,7 @@ bool Survey::pictured(std::size_t time) const {
     return false;
   if (maps == Maps::kAll || times.size() <= kPicturedTimes)
     return true;
+  std::vector<ExposureMeter::Turn> turns_;
   // The n-th of them is at n (times - 1) / (pictured - 1), rounded down.
   const std::size_t last = times.size() - 1, steps = kPicturedTimes - 1;
   const std::size_t n = (time * steps + last - 1) / last;  // the first that is not before `time`
