@@ -268,6 +268,33 @@ class Tenability(Cases):
         self.assertEqual(fed["times_known"], [30])
         self.assertEqual((fed["times"], fed["dose_at_the_end"]), ([None], [None]))
 
+    def test_places_of_a_case_in_national_coordinates_can_be_told_apart(self):
+        x, y = 500000, 5700000
+        mesh = Mesh("hall", (x, x + 20, y, y + 4, 0, 3), (20, 4, 3))
+        case = FdsCase([mesh], TIMES, lambda t, *_: 0.001 * t, more=[("TEMPERATURE", "C", lambda t, *_: 20 + t)]).write(self.folder, "utm")
+        self.path("signs.json").write_text(json.dumps({"signs": [{"name": "exit", "position": [x + 20, y + 2, 2], "normal": [-1, 0, 0]}]}))
+        self.path("eyes.csv").write_text(f"x,y,z,name\n{x + 0.25},{y + 2.75},1.5,\"door, left\"\n{x + 0.75},{y + 2.5},9,\n")
+        result = self.works("visibility", case, "--signs", self.path("signs.json"), "--criteria", self.criteria(self.HOT), "--eyes",
+                            self.path("eyes.csv"), "-o", self.path("out"))
+        self.assertIn("eye 2 at 500000.75, 5700002.5, 9 m is where the case has no smoke", result.message)
+        with open(self.path("out") / "tenability.csv", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(list(rows[0]), ["time", "x", "y", "z", "hot", "name"])
+        self.assertEqual([(row["x"], row["y"], row["z"], row["name"]) for row in rows[:2]],
+                         [("500000.25", "5700002.75", "1.5", "door, left"), ("500000.75", "5700002.5", "9", "")])
+        message = self.fails(2, "visibility", case, "--signs", self.path("signs.json"), "--height", 1.5, "--fire-at", f"{x + 60.25},{y},1",
+                             "-o", self.path("x"))
+        self.assertIn("1 m of 500060.25, 5700000 m; the plan reaches from 500000, 5700000 to 500020, 5700004 m", message)
+
+    def test_a_dose_has_the_ends_of_a_way(self):
+        case, signs, criteria = self.case(), self.signs(), self.criteria(self.FED)
+        self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30.1,5,1\n7,33.3,6,1\n9,40.1,5,1\n9,40.2,6,1\n")
+        self.works("visibility", case, "--signs", signs, "--criteria", criteria, "--trajectories", self.path("walk.csv"), "--height", 1.5,
+                   "-o", self.path("walk"))
+        (fed,) = self.report("walk")["tenability"]["criteria"]
+        for dose, seconds in zip(fed["dose_at_the_end"], (60, 3.2, 0.1), strict=True):
+            self.assertAlmostEqual(dose * 981.690, seconds, 3)
+
     def test_people_have_no_dose_where_the_smoke_has_ended(self):
         case, signs, criteria = self.case(), self.signs(), self.criteria(self.HOT, self.FED)
         self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30,5,1\n7,410,5,1\n")

@@ -15,6 +15,7 @@
 #include "volute/base/cancel_only.hpp"
 #include "volute/base/gather_values.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/process_usage.hpp"
 #include "volute/image/picture_tiles.hpp"
 
@@ -69,8 +70,9 @@ Status checkContour(const Contour& contour, const Scene& scene) {
   const double low = bounds.min[contour.axis], high = bounds.max[contour.axis];
   if (!(contour.place >= low && contour.place < high)) {
     return failFor("slice", ErrorCode::kInvalidArgument,
-                   "{}={:g} misses the mesh, which reaches from {:.6g} to {:.6g} m along {}",
-                   "xyz"[contour.axis], contour.place, low, high, "xyz"[contour.axis]);
+                   "{}={} misses the mesh, which reaches from {} to {} m along {}",
+                   "xyz"[contour.axis], plainNumber(contour.place), plainNumber(low),
+                   plainNumber(high), "xyz"[contour.axis]);
   }
   return contour.shows == Contour::Shows::kConcentration ? checkConcentrations(media) : Status();
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/film/film_job.hpp"
 
 namespace volute {
@@ -23,7 +24,7 @@ bool showsVisibility(const Contour& contour) {
 }
 
 std::string placeOf(const Contour& slice) {
-  return fmt::format("at {} = {:g} m", "xyz"[slice.axis], slice.place);
+  return fmt::format("at {} = {} m", "xyz"[slice.axis], plainNumber(slice.place));
 }
 
 /// What a contour shows, in one line.
@@ -87,7 +88,7 @@ PictureText textOfContour(const Contour& contour, const Scene& scene, const Came
   if (isSurface(contour))
     text.notes.emplace_back("volute.visibility", fmt::format("{:g} m", contour.visibility));
   text.notes.emplace_back("volute.smoke", fmt::format("{}", fmt::join(media.notes, "; ")));
-  text.notes.emplace_back("volute.time", fmt::format("{:g} s", time));
+  text.notes.emplace_back("volute.time", fmt::format("{} s", plainNumber(time)));
   if (!legend)
     return text;
   text.legend = legendOf(contour, mass);
@@ -126,7 +127,7 @@ PictureText FilmJob::textOf(const FilmFrame& frame) const {
   text.notes = {{"volute.mode", mode}, {"volute.shows", shows}};
   if (threshold)
     text.notes.emplace_back("volute.C", fmt::format("{:g}", law.c));
-  text.notes.emplace_back("volute.time", fmt::format("{:g} s", frame.time));
+  text.notes.emplace_back("volute.time", fmt::format("{} s", plainNumber(frame.time)));
   std::vector<std::string> lines{
       threshold ? fmt::format("{}, C = {:g}: 10 % of the light where visibility ends", mode, law.c)
                 : mode + ": light as it is"};

@@ -7,6 +7,7 @@
 #include <limits>
 #include <tuple>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/film/picture_writer.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/io/frame_pattern.hpp"
@@ -139,22 +140,24 @@ void tellOfOthers(const Scene& scene, const SceneMedium& leader, const FrameRequ
     const bool goesOn = !other.loops && other.times.back() > end;
     if (count == 0 && !goesOn)
       continue;
-    progress.remark(Remark{
-        RemarkCode::kLeftOut,
-        fmt::format(
-            "the frames are those of {}, from {:g} to {:g} s{}{}", info.file, info.times.front(),
-            info.times.back(),
-            count > 0 ? fmt::format("; {} of the {} frames of {} are at other times", count,
-                                    other.times.size(), other.file)
-                      : "",
-            goesOn ? fmt::format("; {} goes on until {:g} s", other.file, other.times.back()) : "")}
-                        .in(other.file));
+    progress.remark(
+        Remark{RemarkCode::kLeftOut,
+               fmt::format("the frames are those of {}, from {} to {} s{}{}", info.file,
+                           plainNumber(info.times.front()), plainNumber(info.times.back()),
+                           count > 0 ? fmt::format("; {} of the {} frames of {} are at other times",
+                                                   count, other.times.size(), other.file)
+                                     : "",
+                           goesOn ? fmt::format("; {} goes on until {} s", other.file,
+                                                plainNumber(other.times.back()))
+                                  : "")}
+            .in(other.file));
   }
   if (request.pathEnd && *request.pathEnd > end) {
-    progress.remark({RemarkCode::kLeftOut,
-                     fmt::format("the camera's path goes on until {:g} s; the frames of {} end at "
-                                 "{:g} s",
-                                 *request.pathEnd, info.file, info.times.back())});
+    progress.remark(
+        {RemarkCode::kLeftOut,
+         fmt::format("the camera's path goes on until {} s; the frames of {} end at "
+                     "{} s",
+                     plainNumber(*request.pathEnd), info.file, plainNumber(info.times.back()))});
   }
 }
 
@@ -173,11 +176,12 @@ void tellOfUnevenTimes(const std::vector<FilmFrame>& frames, const MediumInfo& i
       (frames.back().time - frames.front().time) / static_cast<double>(frames.size() - 1);
   if (longest - shortest <= kUneven * mean)
     return;
-  progress.remark(Remark{RemarkCode::kChanged,
-                         fmt::format("{}: its frames are {:g} to {:g} s apart; the film shows each "
-                                     "of them for {:.3g} s",
-                                     info.file, shortest, longest, mean / speed)}
-                      .in(info.file));
+  progress.remark(
+      Remark{RemarkCode::kChanged,
+             fmt::format("{}: its frames are {} to {} s apart; the film shows each "
+                         "of them for {:.3g} s",
+                         info.file, plainNumber(shortest), plainNumber(longest), mean / speed)}
+          .in(info.file));
 }
 
 ChosenFrames plainly(std::vector<FilmFrame> frames) {
@@ -228,7 +232,7 @@ Result<ChosenFrames> framesInTime(const FrameRequest& request, Scene& scene, Pro
             {FilmFrame{number, first.time}},
             fmt::format("showing {}: {}",
                         info.interpolates
-                            ? fmt::format("{:.4g} s", first.time)
+                            ? fmt::format("{} s", plainNumber(first.time, 4))
                             : fmt::format("frame {}", frameText(number, info.frameScale)),
                         first.reason)};
       }

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <utility>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/film/write_film.hpp"
 #include "volute/io/color_view.hpp"
 #include "volute/media/medium_kind.hpp"
@@ -101,8 +102,8 @@ void tellOfMapsEnds(const FilmJob& job, Progress& progress) {
       continue;
     const auto tell = [&](double time, const char* which, double at) {
       progress.remark(Remark{RemarkCode::kAssumed,
-                             fmt::format("{}: {:.6g} s is {} map, at {:.6g} s, which stays",
-                                         info.file, time, which, at)}
+                             fmt::format("{}: {} s is {} map, at {} s, which stays", info.file,
+                                         plainNumber(time), which, plainNumber(at))}
                           .in(info.file));
     };
     if (first.time < info.times.front() - kSlack)

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/cancel_only.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/film/film_job.hpp"
 #include "volute/film/picture_writer.hpp"
@@ -139,9 +140,10 @@ Status SignViews::begin(const Survey& survey, const SightSnapshot& first) {
       reading_->progress.remark(
           {RemarkCode::kDoubtful,
            fmt::format(
-               "from {:g}, {:g}, {:g} m no sign is in sight, even in clear air; the picture looks "
+               "from {}, {}, {} m no sign is in sight, even in clear air; the picture looks "
                "towards the nearest, {}",
-               eye.x(), eye.y(), eye.z(), nearest->sign.name)});
+               plainNumber(eye.x()), plainNumber(eye.y()), plainNumber(eye.z()),
+               nearest->sign.name)});
     }
     const Json lamps = lit_ ? lampsBetween(eye, target, first, survey.bounds) : evenLight();
     // In even light clear air is as bright as the light.
@@ -218,10 +220,11 @@ Result<std::string> SignViews::finish(const Survey& survey, Json& report) {
         VOLUTE_ASSIGN(
             const auto figure,
             htmlFigure(survey.folder / file,
-                       fmt::format("From {:g}, {:g}, {:g} m towards {}{}, {:g} s, {}", view.eye[0],
-                                   view.eye[1], view.eye[2], survey.signs[view.sign].sign.name,
+                       fmt::format("From {}, {}, {} m towards {}{}, {} s, {}",
+                                   plainNumber(view.eye[0]), plainNumber(view.eye[1]),
+                                   plainNumber(view.eye[2]), survey.signs[view.sign].sign.name,
                                    view.inSight ? "" : " (no sign is in sight from there)",
-                                   survey.times[t], nameOf(mode))));
+                                   plainNumber(survey.times[t]), nameOf(mode))));
         page += figure;
       }
     }

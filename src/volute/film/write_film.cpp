@@ -14,6 +14,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/process_usage.hpp"
 #include "volute/base/worker.hpp"
 #include "volute/image/picture_style.hpp"
@@ -38,7 +39,8 @@ Result<std::unique_ptr<PictureWriter>> writerFor(const std::string& target, cons
 void remarkOnPictures(const FilmJob& job, const std::string& target, Progress& progress) {
   const std::size_t count = job.frames.size();
   const double first = job.frames.front().time, last = job.frames.back().time;
-  std::string text = fmt::format("{}: {} pictures from {:g} to {:g} s", target, count, first, last);
+  std::string text = fmt::format("{}: {} pictures from {} to {} s", target, count,
+                                 plainNumber(first), plainNumber(last));
   if (isFilmPath(target)) {
     text += fmt::format(", {:.3g} a second: a film of {:.3g} s", job.framesPerSecond,
                         static_cast<double>(count) / job.framesPerSecond);

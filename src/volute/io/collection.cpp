@@ -8,6 +8,8 @@
 #include <cmath>
 #include <map>
 
+#include "volute/base/plain_number.hpp"
+
 namespace volute {
 
 std::string contradictionOf(std::span<const CollectedFile> files) {
@@ -16,13 +18,13 @@ std::string contradictionOf(std::span<const CollectedFile> files) {
   for (const CollectedFile& file : files) {
     const auto [place, isNew] = known.try_emplace(file.path, file.time);
     if (!isNew) {
-      return fmt::format("{}: is there at {:g} s and at {:g} s: is one of them another file?",
-                         file.path.string(), place->second, file.time);
+      return fmt::format("{}: is there at {} s and at {} s: is one of them another file?",
+                         file.path.string(), plainNumber(place->second), plainNumber(file.time));
     }
     if (std::isfinite(file.stated) &&
         std::abs(file.stated - file.time) > kRounding * std::max(1.0, std::abs(file.time))) {
-      return fmt::format("{}: states {:g} s itself; the collection's {:g} s is taken",
-                         file.path.string(), file.stated, file.time);
+      return fmt::format("{}: states {} s itself; the collection's {} s is taken",
+                         file.path.string(), plainNumber(file.stated), plainNumber(file.time));
     }
   }
   return "";

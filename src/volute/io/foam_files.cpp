@@ -16,6 +16,7 @@
 
 #include "volute/base/input_file.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/printable.hpp"
 
 namespace volute {
@@ -312,9 +313,9 @@ Status checkFoamMesh(const std::filesystem::path& casePath) {
       return {};
     return fail(ErrorCode::kUnsupported,
                 "{}: the case itself has {} of the {} times that its {} processors have until "
-                "{:g} s; expected them in one: run reconstructPar in its folder",
+                "{} s; expected them in one: run reconstructPar in its folder",
                 casePath.string(), times.empty() ? "none" : "one", processors.times.size(),
-                processors.count, processors.times.back());
+                processors.count, plainNumber(processors.times.back()));
   }
   if (processors.count > 0) {
     return fail(ErrorCode::kUnsupported,
@@ -346,9 +347,9 @@ std::vector<Remark> foamRemarks(const std::filesystem::path& casePath) {
   }
   if (!missing.empty()) {
     say(RemarkCode::kLeftOut,
-        fmt::format("times that its processors alone have are left out: {} from {:g} to {:g} s; "
+        fmt::format("times that its processors alone have are left out: {} from {} to {} s; "
                     "run reconstructPar in its folder",
-                    missing.size(), missing.front(), missing.back()));
+                    missing.size(), plainNumber(missing.front()), plainNumber(missing.back())));
   }
   if (const auto regions = regionsOf(folder); !regions.empty())
     say(RemarkCode::kLeftOut,

@@ -14,6 +14,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/grid/look_figures.hpp"
 #include "volute/grid/rounding_source.hpp"
 #include "volute/io/collection.hpp"
@@ -199,7 +200,7 @@ class HeldBytes final : public KeptBytes {
 };
 
 std::string text(const std::array<double, 3>& v) {
-  return fmt::format("{:.6g} x {:.6g} x {:.6g} m", v[0], v[1], v[2]);
+  return fmt::format("{} x {} x {} m", plainNumber(v[0]), plainNumber(v[1]), plainNumber(v[2]));
 }
 
 std::string text(const Box3& box) {
@@ -344,7 +345,7 @@ std::vector<double> statedTimes(const std::vector<LatticeFile>& files,
           "by their numbers",
           files[i].path.string(),
           std::isfinite(time)
-              ? fmt::format("states {:g} s, which is not after the file before it", time)
+              ? fmt::format("states {} s, which is not after the file before it", plainNumber(time))
               : std::string("states no time"));
     }
     return {};

@@ -18,6 +18,7 @@
 #include "volute/base/file_as_written.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/io/collection.hpp"
 #include "volute/io/ensight_files.hpp"
 #include "volute/io/foam_files.hpp"
@@ -611,8 +612,8 @@ Status MeshSource::leaveOutAbsent(const std::filesystem::path& path) {
   if (const auto unwritten = std::ranges::find_if(times_, isNetcdfFill);
       unwritten != times_.end()) {
     return fail(ErrorCode::kInvalidData,
-                "{}: the time {:g} s was never written (netCDF's fill value); expected a time",
-                path.string(), *unwritten);
+                "{}: the time {} s was never written (netCDF's fill value); expected a time",
+                path.string(), plainNumber(*unwritten));
   }
   std::string field = options_.field;
   const std::string& also = options_.alsoField;
@@ -716,9 +717,9 @@ std::string MeshSource::absentText() const {
   constexpr std::size_t kShown = 5;
   std::string times;
   for (std::size_t i = 0; i < std::min(kShown, absent_.size()); ++i)
-    times += fmt::format(
-        "{}{}", i == 0 ? "" : ", ",
-        isNetcdfFill(absent_[i]) ? std::string("unknown") : fmt::format("{:g} s", absent_[i]));
+    times += fmt::format("{}{}", i == 0 ? "" : ", ",
+                         isNetcdfFill(absent_[i]) ? std::string("unknown")
+                                                  : fmt::format("{} s", plainNumber(absent_[i])));
   return fmt::format("{} at {} of {} times, which are left out: {}{}", absentWhat_, absent_.size(),
                      absent_.size() + times_.size(), times, absent_.size() > kShown ? " ..." : "");
 }

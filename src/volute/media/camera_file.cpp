@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/media/field_members.hpp"
 #include "volute/media/gltf_camera.hpp"
@@ -30,12 +31,12 @@ Status setKeys(CameraDescription& camera, const FieldValue& value) {
     const auto at = [&](std::size_t i) { return row[i].get<double>(); };
     const CameraKey key{at(0), {at(1), at(2), at(3)}, {at(4), at(5), at(6)}};
     if (!camera.keys.empty() && !(key.time > camera.keys.back().time)) {
-      return fail(ErrorCode::kInvalidData,
-                  "the time {:g} s follows {:g} s; expected ascending ones", key.time,
-                  camera.keys.back().time);
+      return fail(ErrorCode::kInvalidData, "the time {} s follows {} s; expected ascending ones",
+                  plainNumber(key.time), plainNumber(camera.keys.back().time));
     }
     if (key.eye == key.target) {
-      return fail(ErrorCode::kInvalidData, "at {:g} s eye and target are the same point", key.time);
+      return fail(ErrorCode::kInvalidData, "at {} s eye and target are the same point",
+                  plainNumber(key.time));
     }
     camera.keys.push_back(key);
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/report/page.hpp"
 
@@ -63,8 +64,8 @@ std::string gridLines(const Axes& axes) {
   }
   const double xStep = std::max(1.0, niceStep(std::max(1.0, axes.x1 - axes.x0)));
   for (double x = std::ceil(axes.x0 / xStep) * xStep; x <= axes.x1; x += xStep) {
-    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{:.4g}</text>\n", axes.px(x),
-                       kHeight - kBottom + 16, x);
+    svg += fmt::format("<text x='{:.1f}' y='{}' text-anchor='middle'>{}</text>\n", axes.px(x),
+                       kHeight - kBottom + 16, plainNumber(x, 4));
   }
   return svg;
 }

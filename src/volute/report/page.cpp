@@ -10,6 +10,7 @@
 #include <span>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/base/write_file.hpp"
 
@@ -99,8 +100,11 @@ std::string escapedHtml(const std::string& text) {
 }
 
 std::string textOf(const Json& json, const char* format) {
-  if (json.is_number())
-    return fmt::format(fmt::runtime(format), json.get<double>());
+  if (json.is_number()) {
+    const auto value = json.get<double>();  // not 1.234e+04 s
+    return std::string_view(format) == "{:.4g}" ? plainNumber(value, 4)
+                                                : fmt::format(fmt::runtime(format), value);
+  }
   if (json.is_null())
     return "\u2013";
   return json.is_string() ? json.get<std::string>() : json.dump();

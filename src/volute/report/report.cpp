@@ -8,6 +8,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
+
 namespace volute {
 
 Report& Report::add(std::string_view key, nlohmann::ordered_json value, std::string text) {
@@ -57,11 +59,7 @@ std::string bytesText(std::uint64_t bytes) {
 }
 
 std::string vectorText(const Vec3& v) {
-  // In a map's coordinates six digits are not enough for metres.
-  const auto text = [](double value) {
-    return std::abs(value) < 1e5 ? fmt::format("{:.6g}", value) : fmt::format("{:.9g}", value);
-  };
-  return fmt::format("{}, {}, {}", text(v.x()), text(v.y()), text(v.z()));
+  return fmt::format("{}, {}, {}", plainNumber(v.x()), plainNumber(v.y()), plainNumber(v.z()));
 }
 
 nlohmann::ordered_json vectorJson(const Vec3& v) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/scene/kinds.hpp"
@@ -16,7 +17,8 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 
 std::string range(double first, double last) {
-  return first == last ? fmt::format("{:g} s", first) : fmt::format("{:g} to {:g} s", first, last);
+  return first == last ? fmt::format("{} s", plainNumber(first))
+                       : fmt::format("{} to {} s", plainNumber(first), plainNumber(last));
 }
 
 void addMedia(Report& report, const Scene& scene) {

@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/medium.h"
@@ -247,8 +248,8 @@ class OwnMedium {
     opened_->check(kind().values(opened_->medium(), time_, point.data(), 1, &extinction, emission));
     const Values values{factor_ * extinction, Rgb(emission[0], emission[1], emission[2])};
     if (!std::isfinite(extinction) || !values.emission.allFinite())
-      opened_->fault(fmt::format("values at ({:g}, {:g}, {:g}) m are not finite", point.x(),
-                                 point.y(), point.z()));
+      opened_->fault(fmt::format("values at ({}, {}, {}) m are not finite", plainNumber(point.x()),
+                                 plainNumber(point.y()), plainNumber(point.z())));
     return values;
   }
 
@@ -385,9 +386,10 @@ class OwnKind final : public MediumKind {
     info.fileBounds = info.bounds;
     if (info.bounds.empty()) {
       return wrong(
-          fmt::format("the kind '{}' says bounds of ({:g}, {:g}, {:g}) to ({:g}, {:g}, "
-                      "{:g}) m; expected a box",
-                      kind_.name, box[0], box[1], box[2], box[3], box[4], box[5]));
+          fmt::format("the kind '{}' says bounds of ({}, {}, {}) to ({}, {}, "
+                      "{}) m; expected a box",
+                      kind_.name, plainNumber(box[0]), plainNumber(box[1]), plainNumber(box[2]),
+                      plainNumber(box[3]), plainNumber(box[4]), plainNumber(box[5])));
     }
     if (kind_.times) {
       constexpr std::size_t kMaxTimes = 10'000'000;

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/base/plain_number.hpp"
+
 namespace volute {
 namespace {
 
@@ -35,16 +37,16 @@ Status checkSceneTime(const Scene& scene, double time) {
   }
   if (longest && time < begin - rounding(begin)) {
     return failFor("time", ErrorCode::kInvalidArgument,
-                   "{:g} s is before the begin: {} has {} frames from {:g} to {:g} s", time,
-                   longest->file, longest->times.size(), longest->times.front(),
-                   longest->times.back());
+                   "{} s is before the begin: {} has {} frames from {} to {} s", plainNumber(time),
+                   longest->file, longest->times.size(), plainNumber(longest->times.front()),
+                   plainNumber(longest->times.back()));
   }
   if (!longest || time <= endOf(*longest) + rounding(endOf(*longest)))
     return {};
   return failFor("time", ErrorCode::kInvalidArgument,
-                 "{:g} s is past the end: {} has {} frames from {:g} to {:g} s", time,
-                 longest->file, longest->times.size(), longest->times.front(),
-                 longest->times.back());
+                 "{} s is past the end: {} has {} frames from {} to {} s", plainNumber(time),
+                 longest->file, longest->times.size(), plainNumber(longest->times.front()),
+                 plainNumber(longest->times.back()));
 }
 
 }  // namespace volute

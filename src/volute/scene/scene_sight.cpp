@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/media/occluded_sight.hpp"
 #include "volute/scene/kinds.hpp"
 
@@ -436,8 +437,8 @@ Result<std::unique_ptr<SightField>> sightOf(Scene scene, const SceneOptions& opt
   if (blows && field->times().size() == 1) {
     progress.remark(Remark(RemarkCode::kLeftOut,
                            fmt::format("{}: its wind is for pictures: nothing is stored over time, "
-                                       "and sight lines see the media as they are at {:g} s",
-                                       scene.path(), field->times().front()))
+                                       "and sight lines see the media as they are at {} s",
+                                       scene.path(), plainNumber(field->times().front())))
                         .in(scene.path()));
   }
   if (!scene.geometry().empty()) {
@@ -485,9 +486,9 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
     const Box3 bounds = field->bounds();
     if (*beyond >= bounds.min.z() && *beyond <= bounds.max.z()) {
       remarks.push_back({RemarkCode::kDoubtful,
-                         fmt::format("{} does not reach all of z = {:g} m: nothing is known of the "
+                         fmt::format("{} does not reach all of z = {} m: nothing is known of the "
                                      "rest, and no verdict is of it",
-                                     field->description(), *beyond)});
+                                     field->description(), plainNumber(*beyond))});
     }
     return field;
   }
@@ -496,10 +497,10 @@ Result<std::unique_ptr<SightField>> openSight(const std::string& path, const Sce
   remarks.push_back(
       {RemarkCode::kFallback,
        fmt::format(
-           "at z = {:g} m, where eyes or signs are, extinction is read from {} alone, because {} "
+           "at z = {} m, where eyes or signs are, extinction is read from {} alone, because {} "
            "leaves out places at that height; name a source to use it all the same: those "
            "places are then not known",
-           *beyond, taller, field->description()),
+           plainNumber(*beyond), taller, field->description()),
        {Hint::choose("field")}});
   return openSight(path, other, progress);
 }

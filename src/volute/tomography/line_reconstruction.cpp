@@ -8,6 +8,7 @@
 #include <memory>
 #include <random>
 
+#include "volute/report/report.hpp"
 #include "volute/tomography/fit.hpp"
 #include "volute/tomography/vector_ops.hpp"
 
@@ -220,12 +221,11 @@ Status checkLines(std::span<const LineMeasurement> lines, const VolumeGeometry& 
   if (beside.empty())
     return {};
   const Vec3 &low = geometry.bounds.min, &high = geometry.bounds.max;
-  return fail(
-      ErrorCode::kInvalidArgument,
-      "row {}: the line misses the volume from ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g}), as "
-      "do {} of {} lines; check the bounds and the unit [m]",
-      lines[beside.front()].row, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(),
-      beside.size(), lines.size());
+  return fail(ErrorCode::kInvalidArgument,
+              "row {}: the line misses the volume from ({}) to ({}), as "
+              "do {} of {} lines; check the bounds and the unit [m]",
+              lines[beside.front()].row, vectorText(low), vectorText(high), beside.size(),
+              lines.size());
 }
 
 }  // namespace

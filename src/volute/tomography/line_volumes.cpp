@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/capture/clocks.hpp"
 #include "volute/report/json.hpp"
 
@@ -33,12 +34,11 @@ Result<VolumeGeometry> geometryOf(const LineFile& lines, const CaptureOptions& w
           file);
     const Vec3 &low = geometry.bounds.min, &high = geometry.bounds.max;
     progress.remark(
-        Remark(
-            RemarkCode::kAssumed,
-            fmt::format(
-                "{}: the volume is the box around the lines' ends, {:g},{:g},{:g},{:g},{:g},{:g}",
-                file, low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
-            {Hint::set("bounds")})
+        Remark(RemarkCode::kAssumed,
+               fmt::format("{}: the volume is the box around the lines' ends, {},{},{},{},{},{}",
+                           file, plainNumber(low.x()), plainNumber(low.y()), plainNumber(low.z()),
+                           plainNumber(high.x()), plainNumber(high.y()), plainNumber(high.z())),
+               {Hint::set("bounds")})
             .in(file));
   }
   geometry.resolution = where.resolution.value_or(std::array{kUsual, 0, 0});

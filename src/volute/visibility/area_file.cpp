@@ -9,6 +9,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/json_file.hpp"
 #include "volute/io/json_members.hpp"
 #include "volute/io/json_values.hpp"
@@ -67,7 +68,7 @@ std::optional<Vec2> crossing(const Vec2& a, const Vec2& b, const Vec2& c, const 
 }
 
 std::string placeText(const Vec2& place) {
-  return fmt::format("x = {:.4g}, y = {:.4g} m", place.x(), place.y());
+  return fmt::format("x = {}, y = {} m", plainNumber(place.x(), 4), plainNumber(place.y(), 4));
 }
 
 /// Twice the signed area.
@@ -141,8 +142,8 @@ class AreaReader {
     VOLUTE_ASSIGN(storey.low, jsonToNumber(json_["z"][0], file_, where("z/0")));
     VOLUTE_ASSIGN(storey.high, jsonToNumber(json_["z"][1], file_, where("z/1")));
     if (!(storey.low < storey.high))
-      return wrong("z", fmt::format("{:g} to {:g} m; expected the floor below the ceiling",
-                                    storey.low, storey.high));
+      return wrong("z", fmt::format("{} to {} m; expected the floor below the ceiling",
+                                    plainNumber(storey.low), plainNumber(storey.high)));
     return storey;
   }
 
@@ -427,10 +428,11 @@ Status checkStoreys(std::span<const NamedArea> areas, std::span<const double> he
     if (std::ranges::any_of(heights, [&](double height) { return area.isAt(height); }))
       continue;
     return fail(ErrorCode::kInvalidData,
-                "{}: '{}' is on the storey '{}', z = {:g} to {:g} m, and no plan is made there: "
+                "{}: '{}' is on the storey '{}', z = {} to {} m, and no plan is made there: "
                 "the eyes are at {:g} m; expected a height of the eyes on each storey that has "
                 "areas",
-                file, area.name, area.storey, area.low, area.high, fmt::join(heights, ", "));
+                file, area.name, area.storey, plainNumber(area.low), plainNumber(area.high),
+                fmt::join(heights, ", "));
   }
   return {};
 }

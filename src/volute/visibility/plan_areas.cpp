@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/report/csv_cell.hpp"
 #include "volute/report/page.hpp"
@@ -56,13 +57,14 @@ Status addNamed(const Survey& survey, std::span<const Vec3> eyes, Progress& prog
     if (named.kind == NamedArea::Kind::kArea)
       area.size = polygonSize(named.outline);
     if (area.eyes.empty()) {
-      return fail(
-          ErrorCode::kInvalidArgument,
-          "areas: {} '{}' holds no point of the plan at z = {:g} m, whose points are {:g} m "
-          "apart; the case is from x, y = {:g}, {:g} to {:g}, {:g} m: expected an {} within "
-          "it, and larger than the points' distance",
-          area.kind, area.name, height, survey.step, survey.bounds.min.x(), survey.bounds.min.y(),
-          survey.bounds.max.x(), survey.bounds.max.y(), area.kind);
+      return fail(ErrorCode::kInvalidArgument,
+                  "areas: {} '{}' holds no point of the plan at z = {} m, whose points are {:g} m "
+                  "apart; the case is from x, y = {}, {} to {}, {} m: expected an {} within "
+                  "it, and larger than the points' distance",
+                  area.kind, area.name, plainNumber(height), survey.step,
+                  plainNumber(survey.bounds.min.x()), plainNumber(survey.bounds.min.y()),
+                  plainNumber(survey.bounds.max.x()), plainNumber(survey.bounds.max.y()),
+                  area.kind);
     }
     Vec2 low = named.outline.empty() ? eyes.front().head<2>() : named.outline.front(), high = low;
     for (const Vec2& point : named.outline) {
@@ -211,12 +213,13 @@ class AreaReport {
     if (!first.certain()) {
       text += fmt::format(
           ": ASET {}{}", unknownWords(first, "reached", "its floor"),
-          first.any ? fmt::format("; it is at the latest {:.4g} s{}", first.up, by) : "");
+          first.any ? fmt::format("; it is at the latest {} s{}", plainNumber(first.up, 4), by)
+                    : "");
     } else if (first.any) {
       text += fmt::format(": ASET {}{}, at {}", timeWords(first, survey_.round), by,
                           placeWords(found_.eyes[first.place]));
     } else {
-      text += fmt::format(": no criterion is reached until {:g} s", survey_.end);
+      text += fmt::format(": no criterion is reached until {} s", plainNumber(survey_.end));
     }
     return text + marginWords(people) + "." + latestWords(first, late, "reached");
   }
@@ -235,8 +238,8 @@ class AreaReport {
     const double least = margins.margin[*worst.place];
     if (std::isinf(least))
       return "; nobody is there afterwards";
-    return fmt::format("; ASET - RSET is {:.4g} s ({:.4g} s needed){}", least,
-                       margins.rset[*worst.place], least < 0 ? ": too late" : "");
+    return fmt::format("; ASET - RSET is {} s ({} s needed){}", plainNumber(least, 4),
+                       plainNumber(margins.rset[*worst.place], 4), least < 0 ? ": too late" : "");
   }
 
   const Survey& survey_;
@@ -395,9 +398,9 @@ Status addRequired(const Survey& survey, double height, Progress& progress, Plan
     if (area != areas.areas.end()) {
       if (area->rset && *area->rset != seconds) {
         return failFor("rset", ErrorCode::kInvalidArgument,
-                       "'{}' has {:g} s in the table and {:g} s of its own; expected one time for "
+                       "'{}' has {} s in the table and {} s of its own; expected one time for "
                        "each area",
-                       name, seconds, *area->rset);
+                       name, plainNumber(seconds), plainNumber(*area->rset));
       }
       area->rset = seconds;
       ++found;
@@ -413,13 +416,13 @@ Status addRequired(const Survey& survey, double height, Progress& progress, Plan
   if (found > 0) {
     progress.remark(
         {RemarkCode::kDoubtful,
-         fmt::format("rset: no room or area of the plan at z = {:g} m is named {}; it has {}",
-                     height, missing, names)});
+         fmt::format("rset: no room or area of the plan at z = {} m is named {}; it has {}",
+                     plainNumber(height), missing, names)});
     return {};
   }
   return failFor("rset", ErrorCode::kInvalidArgument,
-                 "no room or area of the plan at z = {:g} m is named {}; expected some of {}",
-                 height, missing, names);
+                 "no room or area of the plan at z = {} m is named {}; expected some of {}",
+                 plainNumber(height), missing, names);
 }
 
 }  // namespace
@@ -497,7 +500,7 @@ Result<std::string> reportAreas(const Survey& survey, const PlanAreas& areas,
   }
   addFirstRoom(list, verdict);
   VOLUTE_TRY(writeFile(survey.folder / "areas.csv", csvOf(list)));
-  picture.title = fmt::format("Rooms and areas at z = {:g} m", values.plan->origin[2]);
+  picture.title = fmt::format("Rooms and areas at z = {} m", plainNumber(values.plan->origin[2]));
   for (std::size_t a = 0; a < areas.areas.size(); ++a) {
     picture.kinds.emplace_back(areaColor(a), "");
     Vec2 middle = Vec2::Zero();

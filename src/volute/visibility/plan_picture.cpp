@@ -10,6 +10,7 @@
 #include <set>
 
 #include "volute/base/assert.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -502,8 +503,7 @@ class PlanDrawing {
         const double y = bottom - each * static_cast<double>(i + 1);
         canvas.rect(left, y, left + kWidth, y + each - (each > 6 ? 2 : 0), valueColor(levels_[i]));
         if (i % every == 0)
-          canvas.text(fmt::format("{:.4g}", levels_[i]), left + kWidth + 10, y + 0.5 * each - 8,
-                      ink);
+          canvas.text(plainNumber(levels_[i], 4), left + kWidth + 10, y + 0.5 * each - 8, ink);
       }
       return;
     }

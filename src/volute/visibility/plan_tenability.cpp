@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/report/page.hpp"
 #include "volute/visibility/plan_picture.hpp"
 #include "volute/visibility/sensitivity.hpp"
@@ -371,9 +372,9 @@ std::string PlanTenability::storedWords(std::size_t c) const {
       std::string from = source.description;
       if (from.starts_with(name + " (") && from.ends_with(')'))
         from = from.substr(name.size() + 2, from.size() - name.size() - 3);
-      spans += fmt::format("{} from {:.4g} to {:.4g} s by {}{}", spans.empty() ? "" : ",",
-                           source.stored.from, source.stored.until, from,
-                           source.served ? "" : ", which reaches none of these places");
+      spans += fmt::format("{} from {} to {} s by {}{}", spans.empty() ? "" : ",",
+                           plainNumber(source.stored.from, 4), plainNumber(source.stored.until, 4),
+                           from, source.served ? "" : ", which reaches none of these places");
     }
     if (!spans.empty())
       words += fmt::format("{}{} is stored{}", words.empty() ? "" : "; ", name, spans);
@@ -409,15 +410,15 @@ Json PlanTenability::sentence(std::size_t c) const {
   } else if (!first.certain()) {
     text = fmt::format("{} is {}{}", words, unknownWords(first, "reached", "the floor"),
                        storedWords(c));
-    text += first.any ? fmt::format("; reached at the latest at {:.4g} s, at {}.", first.up,
-                                    placeWords(eyes_[first.place]))
+    text += first.any ? fmt::format("; reached at the latest at {} s, at {}.",
+                                    plainNumber(first.up, 4), placeWords(eyes_[first.place]))
                       : ".";
   } else {
     text = first.any
-               ? fmt::format("{} is first reached at {}, at {}; by {:g} s at {} of the floor.",
-                             words, timeWords(first, survey_->round),
-                             placeWords(eyes_[first.place]), end, percentWords(first.share))
-               : fmt::format("{} is not reached anywhere until {:g} s.", words, end);
+               ? fmt::format("{} is first reached at {}, at {}; by {} s at {} of the floor.", words,
+                             timeWords(first, survey_->round), placeWords(eyes_[first.place]),
+                             plainNumber(end), percentWords(first.share))
+               : fmt::format("{} is not reached anywhere until {} s.", words, plainNumber(end));
     if (first.unknown > 0)
       text += fmt::format(" It is not known all along at {} of the floor{}.",
                           percentWords(first.unknown), storedWords(c));
@@ -444,7 +445,7 @@ std::string PlanTenability::unknownReasons() const {
       names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", meter_.criteria()[c].name,
                            std::isinf(one.known)
                                ? fmt::format("{} of the floor", percentWords(one.unknown))
-                               : fmt::format("after {:.4g} s", one.known));
+                               : fmt::format("after {} s", plainNumber(one.known, 4)));
   }
   return names.empty() ? std::string(kSight) : names;
 }
@@ -456,14 +457,15 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
   if (!first.certain()) {
     text = fmt::format("ASET of all criteria: {}, because of {}",
                        unknownWords(first, "reached", "the floor"), unknownReasons());
-    text += first.any ? fmt::format("; it is at the latest {:.4g} s, by {}, at {}.", first.up,
-                                    names[first.place], placeWords(eyes_[first.place]))
-                      : ".";
+    text += first.any
+                ? fmt::format("; it is at the latest {} s, by {}, at {}.", plainNumber(first.up, 4),
+                              names[first.place], placeWords(eyes_[first.place]))
+                : ".";
   } else if (first.any) {
     text = fmt::format("ASET of all criteria: {}, by {}, at {}.", timeWords(first, survey_->round),
                        names[first.place], placeWords(eyes_[first.place]));
   } else {
-    text = fmt::format("ASET of all criteria: none is reached until {:g} s.", end);
+    text = fmt::format("ASET of all criteria: none is reached until {} s.", plainNumber(end));
   }
   if (use_.fireUnknown && first.any)
     text += " Where it burns is not known: this may be the fire's own place.";
@@ -478,8 +480,8 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
                                    : "the fire's own place",
                     use_.firesFrom);
     if (own.any)
-      text += fmt::format(" With them it is {}{:.4g} s.", own.certain() ? "" : "at the latest ",
-                          own.certain() ? own.by(survey_->round) : own.up);
+      text += fmt::format(" With them it is {}{} s.", own.certain() ? "" : "at the latest ",
+                          plainNumber(own.certain() ? own.by(survey_->round) : own.up, 4));
   }
   const FirstLoss late = firstLoss(latest_, survey_->round, people_);
   text += latestWords(first, late, "reached");
@@ -505,9 +507,9 @@ Json PlanTenability::ofTheFire(const std::vector<std::string>& names) const {
   const FirstLoss first = firstLoss(all_, survey_->round, burning);
   std::string text = fmt::format("The fire's own place ({}) is not counted", use_.firesFrom);
   text += first.any
-              ? fmt::format("; there the first criterion, {}, is reached at {}{:.4g} s, at {}.",
+              ? fmt::format("; there the first criterion, {}, is reached at {}{} s, at {}.",
                             names[first.place], first.certain() ? "" : "the latest at ",
-                            first.certain() ? first.by(survey_->round) : first.up,
+                            plainNumber(first.certain() ? first.by(survey_->round) : first.up, 4),
                             placeWords(eyes_[first.place]))
               : ".";
   return verdictJson("the fire's own place", text, first, survey_->round, eyes_);
@@ -539,17 +541,17 @@ Status PlanTenability::writeTimes(const std::string& name, const std::string& ti
                                        : std::isinf(by[i])         ? PlanMark::kKept
                                                                    : PlanMark::kValue;
   }
-  picture.words = {
-      {PlanMark::kHidden, "the criterion is not for rooms of this size"},
-      {PlanMark::kKept, fmt::format("not reached at {:g} s, the last time", survey_->end)},
-      {PlanMark::kUnknown, kNotKnownWords},
-      {PlanMark::kSolid, kSolidWords}};
+  picture.words = {{PlanMark::kHidden, "the criterion is not for rooms of this size"},
+                   {PlanMark::kKept,
+                    fmt::format("not reached at {} s, the last time", plainNumber(survey_->end))},
+                   {PlanMark::kUnknown, kNotKnownWords},
+                   {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / name, *values_.plan, picture, signs_);
 }
 
 Status PlanTenability::writeFirst() const {
-  PlanPicture picture = emptyPicture(
-      fmt::format("Which criterion is reached first, at z = {:g} m", values_.plan->origin[2]));
+  PlanPicture picture = emptyPicture(fmt::format("Which criterion is reached first, at z = {} m",
+                                                 plainNumber(values_.plan->origin[2])));
   picture.kinds.emplace_back(kindColor(0), kSight);
   for (std::size_t c = 0; c < meter_.criteria().size(); ++c)
     picture.kinds.emplace_back(kindColor(c + 1), meter_.criteria()[c].name);
@@ -559,9 +561,10 @@ Status PlanTenability::writeFirst() const {
                                        : which_[i] >= 0  ? PlanMark::kValue
                                                          : PlanMark::kKept;
   }
-  picture.words = {{PlanMark::kKept, fmt::format("none until {:g} s, the last time", survey_->end)},
-                   {PlanMark::kUnknown, kNotKnownWords},
-                   {PlanMark::kSolid, kSolidWords}};
+  picture.words = {
+      {PlanMark::kKept, fmt::format("none until {} s, the last time", plainNumber(survey_->end))},
+      {PlanMark::kUnknown, kNotKnownWords},
+      {PlanMark::kSolid, kSolidWords}};
   return writePlan(survey_->folder / "tenability_first.png", *values_.plan, picture, signs_);
 }
 
@@ -613,24 +616,25 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
         "ASET - RSET: not known at {} of the points in use, where people are still there after "
         "the time until which the air is known{}, at {}{} (RSET: {}).",
         share(unknown),
-        std::isinf(least) ? std::string() : fmt::format(", by up to {:.4g} s", -least),
+        std::isinf(least) ? std::string() : fmt::format(", by up to {} s", plainNumber(-least, 4)),
         placeWords(eyes_[*open]),
-        tooLate > 0 ? fmt::format("; at {} of them people leave too late, by up to {:.4g} s",
-                                  share(tooLate), -margins_.margin[*worst])
+        tooLate > 0 ? fmt::format("; at {} of them people leave too late, by up to {} s",
+                                  share(tooLate), plainNumber(-margins_.margin[*worst], 4))
                     : "",
         from);
   } else if (!worst || std::isinf(margins_.margin[*worst])) {
-    text = fmt::format(
-        "ASET - RSET: no criterion is reached until {:g} s where people are (RSET: {}).", end,
-        from);
+    text =
+        fmt::format("ASET - RSET: no criterion is reached until {} s where people are (RSET: {}).",
+                    plainNumber(end), from);
   } else {
     const double margin = margins_.margin[*worst], seconds = margins_.rset[*worst];
     const double low = all_.down[*worst] - seconds, high = all_.up[*worst] - seconds;
     text = fmt::format(
-        "ASET - RSET: the smallest margin is {:.4g} s (by stored times {:.4g} to "
-        "{:.4g} s) at {}; at {:.0f} % of the points in use, people leave too late "
+        "ASET - RSET: the smallest margin is {} s (by stored times {} to "
+        "{} s) at {}; at {:.0f} % of the points in use, people leave too late "
         "(RSET: {}).",
-        margin, low, high, placeWords(eyes_[*worst]),
+        plainNumber(margin, 4), plainNumber(low, 4), plainNumber(high, 4),
+        placeWords(eyes_[*worst]),
         100.0 * static_cast<double>(tooLate) / static_cast<double>(needed), from);
     const Vec3& place = eyes_[*worst];
     report["margin"]["least"] = Json{{"value", margin},
@@ -649,7 +653,7 @@ Result<std::string> PlanTenability::margin(Json& report, std::vector<PlanArray>&
   if (finite.empty())
     return std::string();
   PlanPicture picture =
-      emptyPicture(fmt::format("ASET - RSET at z = {:g} m", values_.plan->origin[2]));
+      emptyPicture(fmt::format("ASET - RSET at z = {} m", plainNumber(values_.plan->origin[2])));
   picture.subtitle = from;
   picture.barLabel = "margin [s]";
   picture.low = *std::ranges::min_element(finite);
@@ -682,7 +686,8 @@ std::string PlanTenability::rsetDescription() const {
   std::string areas;
   for (const PlanAreas::Area& area : areas_->areas) {
     if (area.rset)
-      areas += fmt::format("{}{:g} s in {}", areas.empty() ? "" : ", ", *area.rset, area.name);
+      areas += fmt::format("{}{} s in {}", areas.empty() ? "" : ", ", plainNumber(*area.rset),
+                           area.name);
   }
   if (!survey_->rset)
     return areas;
@@ -748,7 +753,8 @@ Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& r
       continue;
     const std::string file = "tenability_" + name + ".png";
     VOLUTE_TRY(writeTimes(
-        file, fmt::format("When {} at z = {:g} m", criterion.words(), values_.plan->origin[2]),
+        file,
+        fmt::format("When {} at z = {} m", criterion.words(), plainNumber(values_.plan->origin[2])),
         times, holds_[c]));
     VOLUTE_ASSIGN(const auto figure, htmlFigure(survey_->folder / file, criterion.words()));
     figures += figure;
@@ -773,9 +779,9 @@ Result<PlanTenability::Parts> PlanTenability::finish(const Sight& sight, Json& r
   verdict.insert(verdict.begin(), headline(names));
   if (use_.count(PlanUse::Kind::kFire) > 0)
     verdict.push_back(ofTheFire(names));
-  VOLUTE_TRY(writeTimes("aset_all.png",
-                        fmt::format("ASET of all criteria at z = {:g} m", values_.plan->origin[2]),
-                        all_));
+  VOLUTE_TRY(writeTimes(
+      "aset_all.png",
+      fmt::format("ASET of all criteria at z = {} m", plainNumber(values_.plan->origin[2])), all_));
   VOLUTE_TRY(writeFirst());
   VOLUTE_ASSIGN(const auto times, htmlFigure(survey_->folder / "aset_all.png",
                                              "When the first of all criteria is reached."));

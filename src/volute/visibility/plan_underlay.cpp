@@ -11,6 +11,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/input_file.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/program.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/io/confinement.hpp"
@@ -103,10 +104,10 @@ Result<PlanUnderlay> readDrawing(const std::filesystem::path& file, const Underl
       origin = options.min - begin;
       remarks.push_back(
           Remark(RemarkCode::kAssumed,
-                 fmt::format(
-                     "{}: lies apart from the case, from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) m; "
-                     "its lower left corner is moved to the case's",
-                     name, begin.x(), begin.y(), end.x(), end.y()),
+                 fmt::format("{}: lies apart from the case, from ({}, {}) to ({}, {}) m; "
+                             "its lower left corner is moved to the case's",
+                             name, plainNumber(begin.x(), 4), plainNumber(begin.y(), 4),
+                             plainNumber(end.x(), 4), plainNumber(end.y(), 4)),
                  {Hint::set("underlay_bounds").so("places it")})
               .in(name));
     }

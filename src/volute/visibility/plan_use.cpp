@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/visibility/verdict.hpp"
 
 namespace volute {
@@ -180,9 +181,9 @@ std::vector<double> standOnFloors(const SightSnapshot& first, const Box3& bounds
         {RemarkCode::kNote,
          fmt::format("the floor of {} of the points is up to {:.3g} m higher than that "
                      "of the plan (ramps, stairs, stages): eyes are {:.3g} m above it "
-                     "there, higher than z = {:g} m",
+                     "there, higher than z = {} m",
                      percentWords(static_cast<double>(lifted) / static_cast<double>(eyes.size())),
-                     highest, above, height)});
+                     highest, above, plainNumber(height))});
   }
   return floors;
 }
@@ -196,10 +197,10 @@ PlanUse planUse(const Survey& survey, const SightSnapshot& first, const FloorPla
   const auto none = static_cast<std::size_t>(
       std::ranges::count_if(floors, [](double z) { return std::isnan(z); }));
   if (none == eyes.size()) {
-    progress.remark(
-        {RemarkCode::kAssumed, fmt::format("no point of the plan at z = {:g} m has a floor within "
-                                           "{:g} m below it: all points count",
-                                           survey.height, PlanUse::kReach)});
+    progress.remark({RemarkCode::kAssumed,
+                     fmt::format("no point of the plan at z = {} m has a floor within "
+                                 "{} m below it: all points count",
+                                 plainNumber(survey.height), plainNumber(PlanUse::kReach))});
   }
   std::vector<FirePlace> fires;
   if (auto found = survey.field->fires())

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
@@ -40,10 +41,12 @@ Status checkFires(const Survey& survey, const FloorPlan& plan) {
     if (held)
       continue;
     return failFor("fire_at", ErrorCode::kInvalidArgument,
-                   "no point of the plan is within {:g} m of {:g}, {:g} m; the plan reaches from "
-                   "{:g}, {:g} to {:g}, {:g} m, with points {:g} m apart",
-                   fire.z(), fire.x(), fire.y(), survey.bounds.min.x(), survey.bounds.min.y(),
-                   survey.bounds.max.x(), survey.bounds.max.y(), survey.step);
+                   "no point of the plan is within {} m of {}, {} m; the plan reaches from "
+                   "{}, {} to {}, {} m, with points {:g} m apart",
+                   plainNumber(fire.z()), plainNumber(fire.x()), plainNumber(fire.y()),
+                   plainNumber(survey.bounds.min.x()), plainNumber(survey.bounds.min.y()),
+                   plainNumber(survey.bounds.max.x()), plainNumber(survey.bounds.max.y()),
+                   survey.step);
   }
   return {};
 }
@@ -73,9 +76,10 @@ class PlanWatch final : public Watch {
     }
     if (eyes_.empty()) {
       return failFor("height", ErrorCode::kInvalidArgument,
-                     "nobody can look from z = {:g} m: the case knows smoke between z = {:g} "
-                     "and {:g} m; expected a height where there is gas",
-                     survey.height, survey.bounds.min[2], survey.bounds.max[2]);
+                     "nobody can look from z = {} m: the case knows smoke between z = {} "
+                     "and {} m; expected a height where there is gas",
+                     plainNumber(survey.height), plainNumber(survey.bounds.min[2]),
+                     plainNumber(survey.bounds.max[2]));
     }
     const auto ofSmoke = std::ranges::count_if(survey.criteria, [](const Criterion& one) {
       return !one.law && one.quantity == Air::kExtinction;
@@ -141,10 +145,10 @@ class PlanWatch final : public Watch {
       progress.remark(
           {RemarkCode::kDoubtful,
            fmt::format(
-               "the smoke is {} from {:g} s on, and the case begins before: "
+               "the smoke is {} from {} s on, and the case begins before: "
                "what is lost until then is not known",
                survey.times.front() > survey.field->times().front() ? "looked at" : "stored",
-               survey.times.front())});
+               plainNumber(survey.times.front()))});
     }
     inView_.assign(survey.signs.size(), false);
     std::error_code error;
@@ -429,9 +433,9 @@ class PlanWatch final : public Watch {
     if (later > 0)
       progress_->remark(
           {RemarkCode::kAssumed,
-           fmt::format("from {} a sign comes into sight after {:g} s, where something opens: that "
+           fmt::format("from {} a sign comes into sight after {} s, where something opens: that "
                        "none is before counts as no loss",
-                       ofThePoints(later), survey_->times.front())});
+                       ofThePoints(later), plainNumber(survey_->times.front()))});
   }
 
   /// Whether a map of a set could show anything.
@@ -471,8 +475,8 @@ class PlanWatch final : public Watch {
                             std::vector<PlanShape> shapes) const {
     const SafetySign& sign = survey_->signs[s].sign;
     PlanPicture picture;
-    picture.title =
-        fmt::format("{} at {:.4g} s, seen from z = {:g} m", sign.name, at.time, plan_.origin[2]);
+    picture.title = fmt::format("{} at {} s, seen from z = {} m", sign.name,
+                                plainNumber(at.time, 4), plainNumber(plan_.origin[2]));
     picture.subtitle = fmt::format("S = C / mean K, {} C = {:.4g}, angle {}", sign.law.name,
                                    sign.law.c, nameOf(sign.angle));
     picture.barLabel = "visibility S [m]";
@@ -617,10 +621,10 @@ class PlanWatch final : public Watch {
       if (hidden_[set][i])
         picture.marks[places_[i]] = PlanMark::kHidden;
     }
-    picture.title = fmt::format("{}, from z = {:g} m", lossWords(set), plan_.origin[2]);
+    picture.title = fmt::format("{}, from z = {} m", lossWords(set), plainNumber(plan_.origin[2]));
     picture.subtitle = lawsOf(set);
-    picture.words = {{PlanMark::kKept,
-                      fmt::format("never lost: still seen at {:g} s, the last time", survey_->end)},
+    picture.words = {{PlanMark::kKept, fmt::format("never lost: still seen at {} s, the last time",
+                                                   plainNumber(survey_->end))},
                      {PlanMark::kHidden, "no sign in sight, smoke or not"},
                      {PlanMark::kUnknown, kNotKnownWords},
                      {PlanMark::kSolid, kSolidWords}};
@@ -642,8 +646,8 @@ class PlanWatch final : public Watch {
                       {"first_loss_interpolated", any ? Json(loss.none) : Json()},
                       {"known", knownJson(loss.known)},
                       {"share_lost", loss.share}});
-      rows.push_back({name, any ? fmt::format("{:.4g}", loss.by(survey_->round)) : none,
-                      any ? fmt::format("{:.4g}", loss.none) : none,
+      rows.push_back({name, any ? plainNumber(loss.by(survey_->round), 4) : none,
+                      any ? plainNumber(loss.none, 4) : none,
                       fmt::format("{:.1f} %", 100 * loss.share)});
     };
     add("as computed", losses_->times(0));
@@ -692,21 +696,23 @@ class PlanWatch final : public Watch {
     constexpr const char* kSeeing = "the points that see it without smoke";
     const auto uncertain = [&](const std::string& what, const FirstLoss& loss) {
       return fmt::format("{}: {}{}.", what, unknownWords(loss, "lost", kSeeing),
-                         loss.any ? fmt::format("; lost at the latest at {:.4g} s, from {}",
-                                                loss.up, placeWords(eyes_[loss.place]))
-                                  : "");
+                         loss.any
+                             ? fmt::format("; lost at the latest at {} s, from {}",
+                                           plainNumber(loss.up, 4), placeWords(eyes_[loss.place]))
+                             : "");
     };
     verdict.push_back(verdictJson(
         "sign lost first",
         !soonestLoss.certain() ? uncertain(fmt::format("Sight of sign '{}'", name), soonestLoss)
         : soonestLoss.any
-            ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {:g} s it is lost from "
+            ? fmt::format("Sign '{}' is lost first: at {}, from {}; by {} s it is lost from "
                           "{} of the points that see it without smoke.{}",
                           name, timeWords(soonestLoss, survey_->round),
-                          placeWords(eyes_[soonestLoss.place]), end,
+                          placeWords(eyes_[soonestLoss.place]), plainNumber(end),
                           percentWords(soonestLoss.share),
                           latestWords(soonestLoss, latestOf(soonest), "lost"))
-            : fmt::format("No sign is lost from anywhere until {:g} s.{}", end, hiddenWords()),
+            : fmt::format("No sign is lost from anywhere until {} s.{}", plainNumber(end),
+                          hiddenWords()),
         soonestLoss, survey_->round, eyes_));
     verdict.back()["sign"] = soonestLoss.any || !soonestLoss.certain() ? Json(name) : Json();
     if (survey_->sets.size() > 1) {
@@ -714,12 +720,13 @@ class PlanWatch final : public Watch {
       verdict.push_back(verdictJson(
           "sight of signs",
           !all.certain() ? uncertain("Sight of any sign", all)
-          : all.any ? fmt::format("From {} no sign is visible from {} on; by {:g} s this holds for "
+          : all.any ? fmt::format("From {} no sign is visible from {} on; by {} s this holds for "
                                   "{} of the points that see a sign without smoke.{}",
-                                  placeWords(eyes_[all.place]), timeWords(all, survey_->round), end,
-                                  percentWords(all.share), latestWords(all, latestOf(0), "lost"))
-                    : fmt::format(
-                          "Every point that sees a sign without smoke sees one until {:g} s.", end),
+                                  placeWords(eyes_[all.place]), timeWords(all, survey_->round),
+                                  plainNumber(end), percentWords(all.share),
+                                  latestWords(all, latestOf(0), "lost"))
+                    : fmt::format("Every point that sees a sign without smoke sees one until {} s.",
+                                  plainNumber(end)),
           all, survey_->round, eyes_));
     }
   }
@@ -738,14 +745,14 @@ class PlanWatch final : public Watch {
   Status writeLocal() const {
     PlanPicture picture = lossPicture(local_->times());
     picture.title = fmt::format(
-        "{} {:g} 1/m at z = {:g} m",
+        "{} {:g} 1/m at z = {} m",
         survey_->round == RoundTime::kDown ? "Last stored time with K <" : "First time with K >=",
-        survey_->extinctionLimit, plan_.origin[2]);
+        survey_->extinctionLimit, plainNumber(plan_.origin[2]));
     picture.subtitle = "smoke where one stands, signs aside";
-    picture.words = {
-        {PlanMark::kKept, fmt::format("below it at {:g} s, the last time", survey_->end)},
-        {PlanMark::kUnknown, kNotKnownWords},
-        {PlanMark::kSolid, kSolidWords}};
+    picture.words = {{PlanMark::kKept,
+                      fmt::format("below it at {} s, the last time", plainNumber(survey_->end))},
+                     {PlanMark::kUnknown, kNotKnownWords},
+                     {PlanMark::kSolid, kSolidWords}};
     return writePlan(survey_->folder / "aset_local.png", plan_, picture,
                      shownSigns(survey_->sets[0].members));
   }
@@ -775,9 +782,11 @@ class PlanWatch final : public Watch {
         continue;
       for (const int i : shown) {
         const auto file = survey_->folder / "maps" / fmt::format("{}_{:04d}.png", mapName(s), i);
-        VOLUTE_ASSIGN(const auto figure,
-                      htmlFigure(file, fmt::format("{} at {:g} s", survey_->signs[s].sign.name,
-                                                   survey_->times[static_cast<std::size_t>(i)])));
+        VOLUTE_ASSIGN(
+            const auto figure,
+            htmlFigure(file,
+                       fmt::format("{} at {} s", survey_->signs[s].sign.name,
+                                   plainNumber(survey_->times[static_cast<std::size_t>(i)]))));
         page += figure;
       }
     }

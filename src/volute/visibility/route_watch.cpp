@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "volute/base/number_word.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
@@ -72,10 +73,11 @@ class RouteWatch final : public Watch {
         std::ranges::count_if(places, [](Place place) { return place != Place::kGas; });
     if (lost == static_cast<std::ptrdiff_t>(eyes_.size())) {
       return failFor("route", ErrorCode::kInvalidArgument, Hint::set("height"),
-                     "no point of the routes is where the case has smoke, {:g} .. {:g}, {:g} "
-                     ".. {:g}, {:g} .. {:g} m; check the coordinates",
-                     survey.bounds.min[0], survey.bounds.max[0], survey.bounds.min[1],
-                     survey.bounds.max[1], survey.bounds.min[2], survey.bounds.max[2]);
+                     "no point of the routes is where the case has smoke, {} .. {}, {} "
+                     ".. {}, {} .. {} m; check the coordinates",
+                     plainNumber(survey.bounds.min[0]), plainNumber(survey.bounds.max[0]),
+                     plainNumber(survey.bounds.min[1]), plainNumber(survey.bounds.max[1]),
+                     plainNumber(survey.bounds.min[2]), plainNumber(survey.bounds.max[2]));
     }
     if (lost > 0)
       progress.remark(
@@ -95,9 +97,9 @@ class RouteWatch final : public Watch {
       if (!walking_.start.waits() && start < survey.times.front() &&
           !storedPlace(survey.times, start)) {
         progress.remark(fmt::format(
-            "the walk starts at {:g} s, before the first stored time, {:g} s: what walkers take in "
+            "the walk starts at {} s, before the first stored time, {} s: what walkers take in "
             "is not known",
-            start, survey.times.front()));
+            plainNumber(start), plainNumber(survey.times.front())));
         for (std::size_t r = 0; r < routes_.size(); ++r) meter_->lose(r);
       }
     }
@@ -440,9 +442,9 @@ class RouteWatch final : public Watch {
       std::string text =
           fmt::format("Route '{}': a person who {} ", routes_[r].name, startWords(r));
       text += route["arrival"].is_null()
-                  ? fmt::format("has not arrived by {:g} s, the last stored time,",
-                                survey_->times.back())
-                  : fmt::format("arrives at {:.4g} s{}", route["arrival"].get<double>(),
+                  ? fmt::format("has not arrived by {} s, the last stored time,",
+                                plainNumber(survey_->times.back()))
+                  : fmt::format("arrives at {} s{}", plainNumber(route["arrival"].get<double>(), 4),
                                 unsure_[r] ? ", if there is no smoke where it is not known," : "");
       text += seenWords(route["walk_share_with_a_sign"].get<double>(),
                         route["walk_share_known"].get<double>());
@@ -456,17 +458,19 @@ class RouteWatch final : public Watch {
           if (!times.complete(r)) {
             unknown += fmt::format(
                 "{}{} ({}{})", unknown.empty() ? "" : ", ", meter_->criteria()[c].name,
-                std::isinf(times.known[r]) ? std::string("at no time")
-                                           : fmt::format("not after {:.4g} s", times.known[r]),
-                std::isinf(time) ? std::string()
-                                 : fmt::format("; reached at the latest at {:.4g} s", times.up[r]));
+                std::isinf(times.known[r])
+                    ? std::string("at no time")
+                    : fmt::format("not after {} s", plainNumber(times.known[r], 4)),
+                std::isinf(time)
+                    ? std::string()
+                    : fmt::format("; reached at the latest at {} s", plainNumber(times.up[r], 4)));
             continue;
           }
           if (std::isinf(time))
             continue;
           first = std::min(first, time);
-          reached += fmt::format("{}{} at {:.4g} s", reached.empty() ? "" : ", ",
-                                 meter_->criteria()[c].name, time);
+          reached += fmt::format("{}{} at {} s", reached.empty() ? "" : ", ",
+                                 meter_->criteria()[c].name, plainNumber(time, 4));
         }
         if (!unknown.empty())
           text += "; not known on the whole way: " + unknown;
@@ -490,12 +494,13 @@ class RouteWatch final : public Watch {
   std::string startWords(std::size_t r) const {
     const WalkStart& start = walking_.start;
     if (!start.waits())
-      return fmt::format("starts at {:g} s", start.time);
+      return fmt::format("starts at {} s", plainNumber(start.time));
     const std::string smoke = fmt::format("an extinction of {:g} 1/m where {} begins", start.smoke,
                                           start.heard ? "a walk" : "the walk");
     if (starts_[r] == kNotYet)
       return fmt::format("waits for {}", smoke);
-    return fmt::format("starts at {:.4g} s, {:g} s after {},", starts_[r], start.delay, smoke);
+    return fmt::format("starts at {} s, {} s after {},", plainNumber(starts_[r], 4),
+                       plainNumber(start.delay), smoke);
   }
 
   template <class Seen>
@@ -677,7 +682,7 @@ class RouteWatch final : public Watch {
 
   Status drawRoutePlan() const {
     PlanPicture picture;
-    picture.title = fmt::format("Routes at z = {:g} m", eyes_[0][2]);
+    picture.title = fmt::format("Routes at z = {} m", plainNumber(eyes_[0][2]));
     picture.marks = emptyMarks(plan_);
     picture.north = survey_->north;
     for (std::size_t i = 0; i < plan_.size(); ++i) {

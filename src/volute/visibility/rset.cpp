@@ -11,6 +11,7 @@
 
 #include "volute/base/number_word.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/io/sqlite_file.hpp"
 #include "volute/io/table.hpp"
@@ -57,7 +58,8 @@ bool namesPeople(std::string_view text) {
 Status checkSeconds(double seconds, std::string_view where) {
   if (seconds >= 0 && std::isfinite(seconds))
     return {};
-  return fail(ErrorCode::kInvalidData, "{}: rset is {:g} s; expected 0 or more", where, seconds);
+  return fail(ErrorCode::kInvalidData, "{}: rset is {} s; expected 0 or more", where,
+              plainNumber(seconds));
 }
 
 }  // namespace
@@ -142,10 +144,11 @@ std::string Rset::placesBeside(const Box3& bounds) const {
   if (first == map->end())
     return "";
   return fmt::format(
-      "{} of {} places of the required times are beside the case, which reaches from {:g}, {:g} to "
-      "{:g}, {:g} m: the first is at {:g}, {:g} m",
-      std::count_if(first, map->end(), beside), map->size(), bounds.min.x(), bounds.min.y(),
-      bounds.max.x(), bounds.max.y(), first->x, first->y);
+      "{} of {} places of the required times are beside the case, which reaches from {}, {} to "
+      "{}, {} m: the first is at {}, {} m",
+      std::count_if(first, map->end(), beside), map->size(), plainNumber(bounds.min.x()),
+      plainNumber(bounds.min.y()), plainNumber(bounds.max.x()), plainNumber(bounds.max.y()),
+      plainNumber(first->x), plainNumber(first->y));
 }
 
 /// One RSET for each place.
@@ -235,7 +238,7 @@ std::vector<Remark> Rset::remarks(std::span<const double> heights) const {
 
 std::string Rset::description() const {
   if (const double* seconds = std::get_if<double>(&what_))
-    return fmt::format("{:g} s everywhere", *seconds);
+    return fmt::format("{} s everywhere", plainNumber(*seconds));
   if (const auto* people = std::get_if<Trajectories>(&what_))
     return fmt::format("until the last of {} people has passed", people->people());
   if (const auto* areas = std::get_if<Areas>(&what_))

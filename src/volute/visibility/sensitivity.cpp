@@ -7,6 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/report/canvas.hpp"
@@ -68,7 +69,7 @@ class Tornado {
     for (int i = 0; i <= 5; ++i) {
       const double time = begin_ + (end_ - begin_) * i / 5;
       canvas.rect(x(time), kTop - 4, x(time) + 1, bottom + 5, pale);
-      canvas.text(fmt::format("{:.3g}", time), x(time), bottom + 9, ink, Canvas::Anchor::kMiddle);
+      canvas.text(plainNumber(time, 3), x(time), bottom + 9, ink, Canvas::Anchor::kMiddle);
     }
     canvas.text("time [s], interpolated", left_ + kWide / 2, bottom + 30, ink,
                 Canvas::Anchor::kMiddle);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/plain_number.hpp"
+
 namespace volute {
 namespace {
 
@@ -163,8 +165,8 @@ std::string SmokeColumn::words() const {
   return fmt::format(
       "smoke rises from the floor around x = {:.1f}, y = {:.1f} m, up to {:.1f} m from there, "
       "first "
-      "at {:.4g} s",
-      middle.x(), middle.y(), farthest + plan_.step / 2, time_);
+      "at {} s",
+      middle.x(), middle.y(), farthest + plan_.step / 2, plainNumber(time_, 4));
 }
 
 }  // namespace volute

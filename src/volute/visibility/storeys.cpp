@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "volute/base/output_folder.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/team_checks.hpp"
 #include "volute/base/write_file.hpp"
 #include "volute/report/pdf.hpp"
@@ -79,7 +80,7 @@ Result<SurveySummary> surveyStoreys(
   Json list = Json::array();
   for (const double height : heights) {
     const std::string name = folderOf(height, heights);
-    progress.remark(fmt::format("eyes at z = {:g} m", height));
+    progress.remark(fmt::format("eyes at z = {} m", plainNumber(height)));
     VOLUTE_ASSIGN(auto found, survey(height, (folder / name).string()));
     all.times = std::move(found.times);
     if (!team.leads())
@@ -88,7 +89,7 @@ Result<SurveySummary> surveyStoreys(
     all.seenFirst += found.seenFirst / static_cast<double>(heights.size());
     all.seenLast += found.seenLast / static_cast<double>(heights.size());
     for (const std::string& sentence : found.verdict)
-      all.verdict.push_back(fmt::format("z = {:g} m: {}", height, sentence));
+      all.verdict.push_back(fmt::format("z = {} m: {}", plainNumber(height), sentence));
     list.push_back({{"height", height},
                     {"folder", name},
                     {"sight_lines", found.sightLines},

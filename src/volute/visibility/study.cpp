@@ -12,6 +12,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/number_word.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/json_file.hpp"
@@ -450,7 +451,7 @@ std::vector<StudyResults::Comparison> StudyResults::comparisons(
       continue;
     }
     const std::string where =
-        plan.storey.empty() ? "" : fmt::format(" at z = {:g} m", plan.plan.origin[2]);
+        plan.storey.empty() ? "" : fmt::format(" at z = {} m", plainNumber(plan.plan.origin[2]));
     remarks.push_back(fmt::format("run '{}' has another plan{} than '{}': it is not compared",
                                   plan.run, where, base));
   }
@@ -464,7 +465,7 @@ Status StudyResults::writeDifference(const Plan& plan, const Comparison& compari
   PlanPicture picture;
   picture.title = fmt::format("ASET of {} minus that of {}", plan.run, base.run);
   if (!comparison.name.empty())
-    picture.title += fmt::format(", z = {:g} m", base.plan.origin[2]);
+    picture.title += fmt::format(", z = {} m", plainNumber(base.plan.origin[2]));
   picture.barLabel = "difference [s]";
   picture.values.assign(base.aset.size(), 0);
   picture.marks.assign(base.aset.size(), PlanMark::kUnknown);

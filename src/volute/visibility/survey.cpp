@@ -9,6 +9,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 
 namespace volute {
 namespace {
@@ -56,12 +57,14 @@ Result<std::vector<SightTarget>> placeSigns(const SightSnapshot& snapshot,
     const auto [x, y, z] = std::array{sign.position[0], sign.position[1], sign.position[2]};
     if (moved > kReach) {
       return fail(ErrorCode::kInvalidArgument,
-                  "sign '{}' at {:g}, {:g}, {:g} m has no gas within {} m in front of it; expected "
-                  "a place within {:g} .. {:g}, {:g} .. {:g}, {:g} .. {:g} m outside of "
+                  "sign '{}' at {}, {}, {} m has no gas within {} m in front of it; expected "
+                  "a place within {} .. {}, {} .. {}, {} .. {} m outside of "
                   "obstructions: check its position, its normal and whether the case has smoke "
                   "there",
-                  sign.name, x, y, z, kReach, bounds.min[0], bounds.max[0], bounds.min[1],
-                  bounds.max[1], bounds.min[2], bounds.max[2]);
+                  sign.name, plainNumber(x), plainNumber(y), plainNumber(z), kReach,
+                  plainNumber(bounds.min[0]), plainNumber(bounds.max[0]),
+                  plainNumber(bounds.min[1]), plainNumber(bounds.max[1]),
+                  plainNumber(bounds.min[2]), plainNumber(bounds.max[2]));
     }
     if (moved > 0) {
       progress.remark(

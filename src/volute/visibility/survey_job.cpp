@@ -17,6 +17,7 @@
 #include "volute/base/ordered_delivery.hpp"
 #include "volute/base/output_folder.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/base/version.hpp"
 #include "volute/base/write_file.hpp"
@@ -247,13 +248,14 @@ class Job {
     const auto signsBeyond = std::ranges::count_if(survey_.signs, isBeyond, &SightTarget::target);
     if (eyesBeyond + signsBeyond == 0)
       return;
-    log_.remark(
-        {RemarkCode::kAssumed,
-         fmt::format("{} of {} eyes and {} of {} signs are beyond the bounds of the smoke, "
-                     "{:.4g} .. {:.4g}, {:.4g} .. {:.4g}, {:.4g} .. {:.4g} m: the air there "
-                     "counts as clear",
-                     eyesBeyond, eyes.size(), signsBeyond, survey_.signs.size(), box.min[0],
-                     box.max[0], box.min[1], box.max[1], box.min[2], box.max[2])});
+    log_.remark({RemarkCode::kAssumed,
+                 fmt::format("{} of {} eyes and {} of {} signs are beyond the bounds of the smoke, "
+                             "{} .. {}, {} .. {}, {} .. {} m: the air there "
+                             "counts as clear",
+                             eyesBeyond, eyes.size(), signsBeyond, survey_.signs.size(),
+                             plainNumber(box.min[0], 4), plainNumber(box.max[0], 4),
+                             plainNumber(box.min[1], 4), plainNumber(box.max[1], 4),
+                             plainNumber(box.min[2], 4), plainNumber(box.max[2], 4))});
   }
 
   /// Until when the case goes on, if that is more than a stored time beyond the smoke.
@@ -268,9 +270,9 @@ class Job {
       return;
     survey_.end = end;
     log_.remark({RemarkCode::kDoubtful,
-                 fmt::format("the smoke is stored until {:g} s, and the case goes on until {:g} s: "
+                 fmt::format("the smoke is stored until {} s, and the case goes on until {} s: "
                              "what is lost since then is not known",
-                             stored[last], end)});
+                             plainNumber(stored[last]), plainNumber(end))});
   }
 
   /// Whether the same sight lines are looked along more than once.

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/report/page.hpp"
 
@@ -34,8 +35,8 @@ std::string storedTimes(const Json& list) {
   const auto times = list.get<std::vector<double>>();
   double apart = 0;
   for (std::size_t i = 1; i < times.size(); ++i) apart = std::max(apart, times[i] - times[i - 1]);
-  const std::string span =
-      fmt::format("{}, {:g} to {:g} s", times.size(), times.front(), times.back());
+  const std::string span = fmt::format("{}, {} to {} s", times.size(), plainNumber(times.front()),
+                                       plainNumber(times.back()));
   if (times.size() < 2)
     return span;
   return span +
@@ -264,11 +265,11 @@ Status writeStoreysPage(const std::filesystem::path& file, std::span<const doubl
     const auto& [report, body] = storeys[i];
     const std::string boxes = verdictBoxes(report);
     if (!boxes.empty())
-      verdict += fmt::format("<h3><a href='#storey{}'>Eyes at z = {:g} m</a></h3>\n{}", i,
-                             heights[i], boxes);
+      verdict += fmt::format("<h3><a href='#storey{}'>Eyes at z = {} m</a></h3>\n{}", i,
+                             plainNumber(heights[i]), boxes);
     parts += fmt::format(
-        "<section class='part' id='storey{}'><h1>Eyes at z = {:g} m</h1>\n{}{}{}</section>\n", i,
-        heights[i], htmlWarnings(report["remarks"]), summaryPlot(report), body);
+        "<section class='part' id='storey{}'><h1>Eyes at z = {} m</h1>\n{}{}{}</section>\n", i,
+        plainNumber(heights[i]), htmlWarnings(report["remarks"]), summaryPlot(report), body);
   }
   const Json& first = storeys.front().report;
   return writePage(file, titleOf(first),

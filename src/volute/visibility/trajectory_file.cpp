@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/sqlite_file.hpp"
 #include "volute/io/table.hpp"
 #include "volute/visibility/eyes.hpp"
@@ -48,8 +49,9 @@ class Walks {
     if (!(row.place.cwiseAbs().maxCoeff() <= kLargestPlace) ||
         !(std::abs(row.time) <= kLongestWalk)) {
       return fail(ErrorCode::kInvalidData,
-                  "{}: person {} is at {:g}, {:g}, {:g} m at {:g} s; expected metres and seconds",
-                  where, row.id, row.place[0], row.place[1], row.place[2], row.time);
+                  "{}: person {} is at {}, {}, {} m at {} s; expected metres and seconds", where,
+                  row.id, plainNumber(row.place[0]), plainNumber(row.place[1]),
+                  plainNumber(row.place[2]), plainNumber(row.time));
     }
     Vec3 eye = row.place;
     if (height_)
@@ -68,9 +70,10 @@ class Walks {
     if (isNew || (apart.head<2>().norm() < kSamePlace && !(std::abs(apart[2]) >= kSamePlace)))
       return {};
     return fail(ErrorCode::kInvalidData,
-                "{}: person {} is at two places at once: {:g}, {:g} and {:g}, {:g} m; expected one "
+                "{}: person {} is at two places at once: {}, {} and {}, {} m; expected one "
                 "line for each person and time",
-                where, row.id, found->second[0], found->second[1], eye[0], eye[1]);
+                where, row.id, plainNumber(found->second[0]), plainNumber(found->second[1]),
+                plainNumber(eye[0]), plainNumber(eye[1]));
   }
 
   bool empty() const { return people_.empty(); }
@@ -135,8 +138,8 @@ class Walks {
     if (height_ && !std::isnan(*height_) && (zIs != HeightOf::kNothing || ownHeights)) {
       remarks.emplace_back(
           RemarkCode::kLeftOut,
-          fmt::format("{}: its {} is not used: all eyes are at z = {:g} m", file_,
-                      zIs == HeightOf::kNothing ? "eye_height" : column, *height_));
+          fmt::format("{}: its {} is not used: all eyes are at z = {} m", file_,
+                      zIs == HeightOf::kNothing ? "eye_height" : column, plainNumber(*height_)));
     }
     if (height_ || (zIs == HeightOf::kEyes && !isFloor()))
       return remarks;

@@ -8,6 +8,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
+
 namespace volute {
 
 Json knownJson(double known) {
@@ -108,24 +110,26 @@ std::string unknownWords(const FirstLoss& loss, std::string_view reached, std::s
   const std::string where = fmt::format("{} of {}", percentWords(loss.unknown), places);
   if (std::isinf(loss.known))
     return fmt::format("not known at {}", where);
-  return fmt::format("not {} by {:.4g} s, and not known after that at {}", reached, loss.known,
-                     where);
+  return fmt::format("not {} by {} s, and not known after that at {}", reached,
+                     plainNumber(loss.known, 4), where);
 }
 
 std::string timeWords(const FirstLoss& loss, RoundTime round) {
   if (loss.down == loss.up)
-    return fmt::format("{:.4g} s", loss.none);
+    return fmt::format("{} s", plainNumber(loss.none, 4));
   const double whole = std::max(1.0, std::round(loss.none));  // of long fires all seconds
-  return fmt::format("{:.4g} s (between {:.4g} and {:.4g} s, interpolated {} s)", loss.by(round),
-                     loss.down, loss.up,
+  return fmt::format("{} s (between {} and {} s, interpolated {} s)",
+                     plainNumber(loss.by(round), 4), plainNumber(loss.down, 4),
+                     plainNumber(loss.up, 4),
                      whole < 1000 ? fmt::format("{:.3g}", loss.none) : fmt::format("{:g}", whole));
 }
 
 std::string latestWords(const FirstLoss& first, const FirstLoss& latest, std::string_view reached) {
   if (!first.certain() || !first.any || (latest.any && latest.down <= first.up))
     return "";
-  const std::string by = latest.any ? fmt::format("first {} at {:.4g} s", reached, latest.none)
-                                    : fmt::format("perhaps never {}", reached);
+  const std::string by = latest.any
+                             ? fmt::format("first {} at {} s", reached, plainNumber(latest.none, 4))
+                             : fmt::format("perhaps never {}", reached);
   return fmt::format(
       " This is by the worst air that rounding, caps and means at nodes allow; by the least it is "
       "{}.",

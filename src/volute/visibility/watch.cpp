@@ -11,7 +11,9 @@
 #include <span>
 
 #include "volute/base/content_hash.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/write_file.hpp"
+#include "volute/report/csv_cell.hpp"
 #include "volute/report/line_plot.hpp"
 #include "volute/visibility/plan_tenability.hpp"
 #include "volute/visibility/verdict.hpp"
@@ -140,13 +142,14 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     }
     text += fmt::format("{}, because of {}", sayUnknown(first), because);
     if (first.any)
-      text += fmt::format("; it is at the latest {:.4g} s, by {}, of {}", first.up, by, who(first));
+      text += fmt::format("; it is at the latest {} s, by {}, of {}", plainNumber(first.up, 4), by,
+                          who(first));
   } else if (first.any) {
-    text +=
-        fmt::format("{}, by {}, of {}; {} of them reach one by {:g} s",
-                    timeWords(first, survey.round), by, who(first), percentWords(first.share), end);
+    text += fmt::format("{}, by {}, of {}; {} of them reach one by {} s",
+                        timeWords(first, survey.round), by, who(first), percentWords(first.share),
+                        plainNumber(end));
   } else {
-    text += fmt::format("none is reached until {:g} s", end);
+    text += fmt::format("none is reached until {} s", plainNumber(end));
   }
   text += "." + latestWords(first, late, "reached");
   if (!missing.empty())
@@ -165,13 +168,14 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
     if (!one.certain()) {
       text += unknownWords(one, "lost", them);
       if (one.any)
-        text += fmt::format("; lost at the latest at {:.4g} s, by {}", one.up, who(one));
+        text +=
+            fmt::format("; lost at the latest at {} s, by {}", plainNumber(one.up, 4), who(one));
     } else if (one.any) {
       text +=
-          fmt::format("first lost at {}, by {}; by {:g} s by {} of {}",
-                      timeWords(one, survey.round), who(one), end, percentWords(one.share), them);
+          fmt::format("first lost at {}, by {}; by {} s by {} of {}", timeWords(one, survey.round),
+                      who(one), plainNumber(end), percentWords(one.share), them);
     } else {
-      text += fmt::format("lost by none of {} until {:g} s", them, end);
+      text += fmt::format("lost by none of {} until {} s", them, plainNumber(end));
     }
     text += "." + latestWords(one, last, "lost");
     verdict.push_back(asJson("sight of signs", text, one));
@@ -188,13 +192,14 @@ Json exposureVerdict(const ExposureMeter& meter, const Survey& survey, const Exp
       if (const std::string unread = meter.unread(c); !unread.empty())
         text += fmt::format(" (not all that is stored can be read: {})", unread);
       if (one.any)
-        text += fmt::format("; reached at the latest at {:.4g} s, by {}", one.up, who(one));
+        text +=
+            fmt::format("; reached at the latest at {} s, by {}", plainNumber(one.up, 4), who(one));
     } else if (one.any) {
-      text += fmt::format("first reached at {}, by {}; by {:g} s by {} of the {}",
-                          timeWords(one, survey.round), who(one), end, percentWords(one.share),
-                          exposed.many);
+      text += fmt::format("first reached at {}, by {}; by {} s by {} of the {}",
+                          timeWords(one, survey.round), who(one), plainNumber(end),
+                          percentWords(one.share), exposed.many);
     } else {
-      text += fmt::format("reached by none of {} until {:g} s", all, end);
+      text += fmt::format("reached by none of {} until {} s", all, plainNumber(end));
       const auto worst = meter.worst(c);
       const auto most = std::ranges::max_element(worst, {}, [&](double value) {
         return std::isnan(value)   ? -std::numeric_limits<double>::infinity()
@@ -240,11 +245,12 @@ class PointWatch : public Watch {
     first.places(points_, places);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       if (places[i] != Place::kGas) {
-        progress.remark({RemarkCode::kDoubtful,
-                         fmt::format("eye {} at {:g}, {:g}, {:g} m is {}", nameOf(i), points_[i][0],
-                                     points_[i][1], points_[i][2],
-                                     places[i] == Place::kSolid ? "inside something solid"
-                                                                : "where the case has no smoke")});
+        progress.remark(
+            {RemarkCode::kDoubtful,
+             fmt::format("eye {} at {}, {}, {} m is {}", nameOf(i), plainNumber(points_[i][0]),
+                         plainNumber(points_[i][1]), plainNumber(points_[i][2]),
+                         places[i] == Place::kSolid ? "inside something solid"
+                                                    : "where the case has no smoke")});
       }
     }
     std::vector<std::vector<std::size_t>> sets;
@@ -301,6 +307,8 @@ class PointWatch : public Watch {
         if (!meter_->valuesAllowed(c).empty())
           head.append(",").append(name).append("_at_worst");
       }
+      if (areNamed())
+        head += ",name";
       VOLUTE_TRY(writeFile(survey_->folder / "tenability.csv", head + "\n" + table_));
     }
     return std::string();
@@ -311,6 +319,10 @@ class PointWatch : public Watch {
   bool hasPage() const override { return false; }
 
  private:
+  bool areNamed() const {
+    return std::ranges::any_of(names_, [](const std::string& name) { return !name.empty(); });
+  }
+
   /// "2", "2 (door)".
   std::string nameOf(std::size_t point) const {
     const bool named = !names_.empty() && !names_[point].empty();
@@ -334,8 +346,8 @@ class PointWatch : public Watch {
         time, [&](double, std::span<Vec3> places) { std::ranges::copy(points_, places.begin()); },
         smoke));
     for (std::size_t i = 0; i < points_.size(); ++i) {
-      table_ +=
-          fmt::format("{:g},{:g},{:g},{:g}", time, points_[i][0], points_[i][1], points_[i][2]);
+      table_ += fmt::format("{:.10g},{:.10g},{:.10g},{:.10g}", time, points_[i][0], points_[i][1],
+                            points_[i][2]);
       for (std::size_t c = 0; c < meter_->criteria().size(); ++c) {
         const bool lost = meter_->criteria()[c].isDose() && meter_->unknown(c, i);
         for (const auto& values : {meter_->values(c), meter_->valuesAllowed(c)}) {
@@ -343,6 +355,8 @@ class PointWatch : public Watch {
             table_ += lost || std::isnan(values[i]) ? "," : fmt::format(",{:.9g}", values[i]);
         }
       }
+      if (areNamed())
+        table_.append(",").append(csvCell(names_[i]));
       table_ += '\n';
     }
     return {};
@@ -436,9 +450,10 @@ class TrajectoryWatch final : public Watch {
     if (people_.end() < survey.times.front() || people_.begin() > survey.times.back()) {
       progress.remark(
           {RemarkCode::kDoubtful,
-           fmt::format("people walk from {:g} to {:g} s, the smoke is there from {:g} to {:g} s: "
+           fmt::format("people walk from {} to {} s, the smoke is there from {} to {} s: "
                        "nobody looks",
-                       people_.begin(), people_.end(), survey.times.front(), survey.times.back())});
+                       plainNumber(people_.begin()), plainNumber(people_.end()),
+                       plainNumber(survey.times.front()), plainNumber(survey.times.back()))});
     }
     if (!survey.criteria.empty()) {
       meter_.emplace(AirField::open(*survey.field, survey.criteria), survey.criteria,
@@ -447,9 +462,11 @@ class TrajectoryWatch final : public Watch {
     sight_.emplace(people_.ids().size());
     const double start = survey.times.front();
     for (const auto& [id, span] : people_.spans()) {
+      for (const double time : {span.from, span.until}) turns_.push_back({time, placeOf(id)});
       if (span.from < start && !isAt(start, span.from))
         lose(placeOf(id));
     }
+    std::ranges::sort(turns_, {}, &ExposureMeter::Turn::time);
     return {};
   }
 
@@ -462,11 +479,9 @@ class TrajectoryWatch final : public Watch {
   bool wantsChanges() const override { return false; }
 
   bool wantsExtinction() const override { return true; }
-      for (const double time : {span.from, span.until}) turns_.push_back({time, placeOf(id)});
 
   /// Where people are between a stored time and its neighbours, one time after the other.
   std::vector<Vec3> passed(double time) const override {
-    std::ranges::sort(turns_, {}, &ExposureMeter::Turn::time);
     std::vector<Vec3> all;
     if (survey_->criteria.empty())
       return all;
@@ -629,10 +644,11 @@ class TrajectoryWatch final : public Watch {
     }
     if (longer > 0) {
       progress_->remark(
-          {RemarkCode::kDoubtful, fmt::format("{} of {} people are on their way before {:g} s or "
-                                              "after {:g} s, where the smoke is not "
-                                              "known: what they see and take in then is not",
-                                              longer, people_.people(), first, last)});
+          {RemarkCode::kDoubtful,
+           fmt::format("{} of {} people are on their way before {} s or "
+                       "after {} s, where the smoke is not "
+                       "known: what they see and take in then is not",
+                       longer, people_.people(), plainNumber(first), plainNumber(last))});
     }
   }
 
@@ -721,6 +737,7 @@ class TrajectoryWatch final : public Watch {
 
   const Survey* survey_ = nullptr;
   Progress* progress_ = nullptr;
+  std::vector<ExposureMeter::Turn> turns_;
   double lastTime_ = 0;
   OnTheWay most_, least_;
   std::set<int> outside_;  // who was at some time where there is no gas
@@ -737,7 +754,6 @@ bool Survey::pictured(std::size_t time) const {
     return false;
   if (maps == Maps::kAll || times.size() <= kPicturedTimes)
     return true;
-  std::vector<ExposureMeter::Turn> turns_;
   // The n-th of them is at n (times - 1) / (pictured - 1), rounded down.
   const std::size_t last = times.size() - 1, steps = kPicturedTimes - 1;
   const std::size_t n = (time * steps + last - 1) / last;  // the first that is not before `time`

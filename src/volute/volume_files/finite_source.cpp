@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/grid_matrix.hpp"
 #include "volute/grid/masked_source.hpp"
@@ -192,12 +193,12 @@ class FiniteSource final : public WrappedSource {
     if (placed_)
       hints.push_back(Hint::set("keep", of.name).so("keeps the grid as it is"));
     return fail(ErrorCode::kInvalidData, std::move(hints),
-                "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({:.6g}, {:.6g}, "
-                "{:.6g}) m, is {}; expected finite values: mend the input, or compress it without "
+                "{}: grid '{}', frame {}: the value at {} ({}, {}, {}), which is ({}, {}, "
+                "{}) m, is {}; expected finite values: mend the input, or compress it without "
                 "them",
                 file, of.name, of.frameText(static_cast<std::size_t>(index)), what, voxel[0],
-                voxel[1], voxel[2], place.x(), place.y(), place.z(),
-                std::isnan(value) ? "not a number" : "infinite");
+                voxel[1], voxel[2], plainNumber(place.x()), plainNumber(place.y()),
+                plainNumber(place.z()), std::isnan(value) ? "not a number" : "infinite");
   }
 
   const PlacedFrames* placed_;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/grid/resample.hpp"
@@ -107,9 +108,9 @@ void remarkOnTimes(const VolumeInfo& a, const VolumeInfo& b, Reading& reading) {
     return;
   reading.progress.remark(
       {RemarkCode::kDoubtful,
-       fmt::format("the two have other times: from the first to the last frame pass {:.6g} and "
-                   "{:.6g} s",
-                   spanA, spanB),
+       fmt::format("the two have other times: from the first to the last frame pass {} and "
+                   "{} s",
+                   plainNumber(spanA), plainNumber(spanB)),
        {Hint::set("fps").so("takes one rate for both")}});
 }
 
@@ -403,9 +404,10 @@ Result<VolumeComparison> compareCaches(const VolumeGrids& first, const std::stri
 
 std::string worstFrameText(const GridComparison& grid) {
   const std::size_t at = worstFrame(grid);
-  return fmt::format("worst in frame {} at {:.4g} s: rms {:.6g}, max error {:.6g}",
-                     frameText(grid.frameNumbers[at], grid.frameScale), grid.times[at],
-                     rmsOf(grid, grid.byFrame[at]), grid.byFrame[at].maxError);
+  return fmt::format("worst in frame {} at {} s: rms {:.6g}, max error {:.6g}",
+                     frameText(grid.frameNumbers[at], grid.frameScale),
+                     plainNumber(grid.times[at], 4), rmsOf(grid, grid.byFrame[at]),
+                     grid.byFrame[at].maxError);
 }
 
 /// Where the largest error is, and what is there.

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -262,8 +263,8 @@ Result<OldGrid> Resampler::open(const std::string& name, const VolumeGrid* grid)
   if (info.frames > 1 && request_.stated.framesPerSecond && !info.timesAssumed && once("rate")) {
     reading_.progress.remark(
         Remark(RemarkCode::kNote,
-               fmt::format("{}: states times, {:.4g} to {:.4g} s; the rate that is given counts",
-                           path_, info.times.front(), info.times.back()))
+               fmt::format("{}: states times, {} to {} s; the rate that is given counts", path_,
+                           plainNumber(info.times.front(), 4), plainNumber(info.times.back(), 4)))
             .in(path_));
   }
   if (once("frames"))

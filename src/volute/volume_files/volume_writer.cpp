@@ -8,6 +8,7 @@
 #include <cmath>
 #include <ranges>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/copy_frames.hpp"
 #include "volute/grid/rounding_source.hpp"
@@ -145,8 +146,9 @@ void remarkOnWhatIsLost(const VolumeInfo& info, const Besides& besides, const st
     return std::abs(time - info.times.front() - usual) < 1e-9;
   });
   if (!statesTimes(target) && info.frames > 1 && !info.timesAssumed && paced)
-    lost.push_back(fmt::format("when the frames are shown ({:.4g} to {:.4g} s)", info.times.front(),
-                               info.times.back()));
+    lost.push_back(fmt::format("when the frames are shown ({} to {} s)",
+                               plainNumber(info.times.front(), 4),
+                               plainNumber(info.times.back(), 4)));
   if (!lost.empty())
     reading.progress.remark(Remark(code, fmt::format("{}: such a file does not say {}", target,
                                                      fmt::join(lost, ", or ")))

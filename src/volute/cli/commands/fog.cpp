@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/field_options.hpp"
@@ -86,8 +87,9 @@ void tell(const FoggedFrame& frame, std::set<std::string>& told, std::vector<Fra
     return;
   if (!reaches.empty()) {
     progress.remark({RemarkCode::kDoubtful,
-                     fmt::format("{}; before it was {:.4g} to {:.4g} m", frame.remarks.front().text,
-                                 reaches.front().nearest, reaches.front().farthest)});
+                     fmt::format("{}; before it was {} to {} m", frame.remarks.front().text,
+                                 plainNumber(reaches.front().nearest, 4),
+                                 plainNumber(reaches.front().farthest, 4))});
   }
   reaches.push_back(frame.reach);
 }
@@ -201,7 +203,7 @@ void tellOfShadows(const Arguments& arguments, const TriangleScene& geometry,
   if (!arguments.given("geometry") || shadowsFog(geometry, suns, fog))
     return;
   const auto text = [](const Vec3& p) {
-    return fmt::format("{:g},{:g},{:g}", p.x(), p.y(), p.z());
+    return fmt::format("{},{},{}", plainNumber(p.x()), plainNumber(p.y()), plainNumber(p.z()));
   };
   const Box3 box = geometry.bounds(), air = fog.bounds();
   progress.remark(fmt::format(
@@ -223,8 +225,8 @@ Result<std::optional<FrameRange>> rangeOf(const Arguments& arguments, const std:
   }
   const double frames = std::round(*seconds * arguments.get<double>("fps"));
   if (!(frames >= 1 && frames < 1e6))
-    return fail(ErrorCode::kInvalidArgument,
-                "--duration {:g} s: {:.0f} frames; expected 1 to 999999", *seconds, frames);
+    return fail(ErrorCode::kInvalidArgument, "--duration {} s: {:.0f} frames; expected 1 to 999999",
+                plainNumber(*seconds), frames);
   FrameRange range;
   range.begin = 0, range.end = static_cast<int>(frames);
   return range;
@@ -331,14 +333,14 @@ void tellOfShader(const FogSceneMedium& fog, const std::vector<Lamp>& suns,
   const auto& times = fog.info().times;
   const double time = arguments.find<double>("time").value_or(0);
   if (times.size() > 1) {
-    tell(RemarkCode::kLeftOut,
-         fmt::format("the shader has the map at {:g} s alone, of {} maps", time, times.size()));
+    tell(RemarkCode::kLeftOut, fmt::format("the shader has the map at {} s alone, of {} maps",
+                                           plainNumber(time), times.size()));
   }
   if (fog.description().wind != Vec3::Zero()) {
     tell(RemarkCode::kLeftOut,
-         fmt::format("the shader has the fog at {:g} s: the wind does not move it, but who moves "
+         fmt::format("the shader has the fog at {} s: the wind does not move it, but who moves "
                      "fogCorner does",
-                     time));
+                     plainNumber(time)));
   }
   constexpr int kLargest = 16384;  // that most OpenGL has
   const FogShader shader = fogCells(fog.fogAt(time));

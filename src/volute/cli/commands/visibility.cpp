@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/read_text.hpp"
 #include "volute/cli/commands/commands.hpp"
 #include "volute/cli/ranks.hpp"
@@ -197,9 +198,10 @@ Result<std::shared_ptr<const PlanUnderlay>> underlayOf(const Arguments& argument
     if (ends[0] >= bounds.max.x() || ends[2] <= bounds.min.x() || ends[1] >= bounds.max.y() ||
         ends[3] <= bounds.min.y()) {
       return fail(ErrorCode::kInvalidArgument,
-                  "--underlay-bounds: {} is apart from the case, which reaches from {:g}, {:g} to "
-                  "{:g}, {:g} m: nothing would be drawn",
-                  *text, bounds.min.x(), bounds.min.y(), bounds.max.x(), bounds.max.y());
+                  "--underlay-bounds: {} is apart from the case, which reaches from {}, {} to "
+                  "{}, {} m: nothing would be drawn",
+                  *text, plainNumber(bounds.min.x()), plainNumber(bounds.min.y()),
+                  plainNumber(bounds.max.x()), plainNumber(bounds.max.y()));
     }
     options.place = {{ends[0], ends[1]}, {ends[2], ends[3]}};
   }
@@ -358,8 +360,9 @@ Status runVisibility(const Arguments& arguments, Context& context) {
                     : surveyOf(arguments, context, heights.front(), output, pdf));
   VOLUTE_TRY(writeStats(arguments, context, {{"sight_lines", found.sightLines}}));
   const auto seen = [](double share, double time, const char* what) {
-    return std::isnan(share) ? fmt::format("nobody is there at {:g} s", time)
-                             : fmt::format("{:.1f} %{} at {:g} s", 100 * share, what, time);
+    return std::isnan(share)
+               ? fmt::format("nobody is there at {} s", plainNumber(time))
+               : fmt::format("{:.1f} %{} at {} s", 100 * share, what, plainNumber(time));
   };
   Report report;
   report.add("output", output)

@@ -12,6 +12,7 @@
 #include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_input.hpp"
@@ -137,9 +138,9 @@ class FdsPoints final : public PointField {
     if (many == out.end())
       return {};
     return fail(ErrorCode::kInvalidData,
-                "{}: {} is {:.4g} mol/mol at {:g} s; expected a fraction of at most 1: the file is "
+                "{}: {} is {:.4g} mol/mol at {} s; expected a fraction of at most 1: the file is "
                 "damaged, or in another unit than it says",
-                case_.index().path.string(), case_.source().name, many->value, time);
+                case_.index().path.string(), case_.source().name, many->value, plainNumber(time));
   }
 
  private:
@@ -264,7 +265,7 @@ std::string cellsText(const SmvIndex& index) {
     }
   }
   const std::string size = most - least < 1e-4 * most
-                               ? fmt::format("{:.4g} m", most)
+                               ? fmt::format("{} m", plainNumber(most, 4))
                                : fmt::format("{:.3g} to {:.3g} m", least, most);
   return fmt::format("{:.0f} in {} mesh{}, edges {}", count, index.meshes.size(),
                      index.meshes.size() == 1 ? "" : "es", size);

@@ -10,6 +10,7 @@
 #include <map>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/fds/text_lines.hpp"
@@ -87,8 +88,8 @@ class CurveReader {
       if (!line)
         break;
       if (stored_ + curves_.size() > most) {
-        leftOut("has more than {} values; those from line {} on, after {:g} s, are left out", most,
-                lines.lineNumber(), last_);
+        leftOut("has more than {} values; those from line {} on, after {} s, are left out", most,
+                lines.lineNumber(), plainNumber(last_));
         break;
       }
       take(*line, lines.lineNumber());
@@ -172,7 +173,8 @@ class CurveReader {
       curve.values.resize(static_cast<std::size_t>(kept));
     }
     if (restarts_++ == 0)
-      firstRestart_ = fmt::format("line {}, from {:g} to {:g} s", number, last_, time);
+      firstRestart_ =
+          fmt::format("line {}, from {} to {} s", number, plainNumber(last_), plainNumber(time));
   }
 
   /// What no place can have: programs fill gaps with -1 and -999.
@@ -228,7 +230,7 @@ class CurveReader {
     std::set<std::string> single;
     for (const FactCurve& curve : curves_) {
       if (curve.times.size() == 1)
-        single.insert(fmt::format("{} (at {:g} s)", curve.name, curve.times.front()));
+        single.insert(fmt::format("{} (at {} s)", curve.name, plainNumber(curve.times.front())));
     }
     if (!single.empty())
       leftOut("one value alone, and so nothing known at any other time: of {}", namesOf(single));

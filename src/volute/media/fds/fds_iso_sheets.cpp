@@ -9,6 +9,7 @@
 #include <set>
 
 #include "volute/base/number_word.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/fds/fds_iso.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -164,8 +165,9 @@ Result<std::vector<AnyMedium>> FdsIsoSheets::stored(double time) const {
     bytes += kInMemory * file->bytesOf(frame);
     if (maxMemory_ > 0 && bytes > maxMemory_) {
       return fail(ErrorCode::kTooLarge, Hint::raise("max_memory"),
-                  "isosurfaces of {} at {:g} s need {} MiB or more, more than the {} MiB allowed",
-                  quantity_, file->frames().times[frame], bytes >> 20, maxMemory_ >> 20);
+                  "isosurfaces of {} at {} s need {} MiB or more, more than the {} MiB allowed",
+                  quantity_, plainNumber(file->frames().times[frame]), bytes >> 20,
+                  maxMemory_ >> 20);
     }
     VOLUTE_ASSIGN(FdsIsoFrame read, file->readFrame(frame));
     // Levels as they are numbered here; surfaces that nobody asks for are left out.

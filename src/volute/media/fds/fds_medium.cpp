@@ -14,6 +14,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/gather_values.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/fds/fds_room.hpp"
 #include "volute/image/srgb.hpp"
 #include "volute/media/clock_fields.hpp"
@@ -573,7 +574,7 @@ std::vector<std::string> FdsMedium::words(const std::optional<Vec3>& eye) const 
   if (!description_.look.cuts.empty()) {
     std::string planes;
     for (const FdsCut& cut : description_.look.cuts)
-      planes += fmt::format(" {} = {:g} m", "xyz"[cut.axis], cut.place);
+      planes += fmt::format(" {} = {} m", "xyz"[cut.axis], plainNumber(cut.place));
     words.push_back("cut at" + planes);
   }
   if (description_.look.devices) {
@@ -930,7 +931,7 @@ std::vector<PlaceMark> FdsMedium::rulerMarks(const std::optional<Vec3>& eye) con
       Vec3 at = from;
       at[axis] = i * step;
       const double number = std::round(at[axis] * 1e4) / 1e4;
-      marks.push_back({at, fmt::format("{:g}", number == 0 ? 0.0 : number)});
+      marks.push_back({at, fmt::format("{:.12g}", number == 0 ? 0.0 : number)});
     }
     Vec3 name = rulerStart(box, axis, open, 2.2 * beside);
     name[axis] += 0.5 * length;

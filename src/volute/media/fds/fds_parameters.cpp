@@ -210,7 +210,8 @@ bool setCaseParameter(nlohmann::ordered_json& entry, const FdsMedium& fds, const
   }
   if (key == "slice/at") {
     const auto plane = planeOf(fds.description().look.slice);
-    return plane && put("slice", fmt::format("{}={:.6g}", plane->first, value.get<double>()), true);
+    return plane &&
+           put("slice", fmt::format("{}={:.10g}", plane->first, value.get<double>()), true);
   }
   if (key == "particles")
     return put(key.c_str(), value, value != kOff);
@@ -230,7 +231,7 @@ bool setCaseParameter(nlohmann::ordered_json& entry, const FdsMedium& fds, const
     const int axis = key.back() - 'x';
     std::string cuts;
     const auto add = [&](int of, double place) {
-      cuts += fmt::format("{}{}={:.6g}", cuts.empty() ? "" : ",", "xyz"[of], place);
+      cuts += fmt::format("{}{}={:.10g}", cuts.empty() ? "" : ",", "xyz"[of], place);
     };
     for (const FdsCut& cut : fds.description().look.cuts) {
       if (cut.axis != axis)

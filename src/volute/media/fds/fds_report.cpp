@@ -6,6 +6,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/fds/fds_case.hpp"
 #include "volute/fds/fds_files.hpp"
 
@@ -54,7 +55,8 @@ void addDevices(Report& report, const SmvIndex& index) {
     std::string changes;
     for (const FdsEvent& event : device.events) {
       events.push_back({{"time", event.time}, {"active", event.shown}});
-      changes += fmt::format(", {} at {:g} s", event.shown ? "active" : "idle", event.time);
+      changes +=
+          fmt::format(", {} at {} s", event.shown ? "active" : "idle", plainNumber(event.time));
     }
     list.push_back({{"label", device.label},
                     {"quantity", device.quantity},
@@ -86,7 +88,8 @@ void addSlices(Report& report, const SmvIndex& index) {
       const auto at = static_cast<std::size_t>(node);
       const double place =
           slice.cellCentred && node > 0 ? 0.5 * (places[at - 1] + places[at]) : places[at];
-      ++planes[fmt::format("{} at {} = {:g} m", slice.labels.quantity, "xyz"[axis], place)];
+      ++planes[fmt::format("{} at {} = {} m", slice.labels.quantity, "xyz"[axis],
+                           plainNumber(place))];
     }
   }
   auto list = OrderedJson::object();
@@ -210,7 +213,7 @@ void addSources(Report& report, const FdsCase& opened) {
       .add("source_bounds", boundsJson(opened.bounds()), boxText(opened.bounds()))
       .add("frames", times.size(), fmt::format("{}", times.size()))
       .add("times", {times.front(), times.back()},
-           fmt::format("{:.6g} to {:.6g} s", times.front(), times.back()));
+           fmt::format("{} to {} s", plainNumber(times.front()), plainNumber(times.back())));
 }
 
 Status addValues(Report& report, FdsCase& opened, Reading& reading) {
@@ -231,8 +234,8 @@ Status addValues(Report& report, FdsCase& opened, Reading& reading) {
                             static_cast<double>(times.size()));
   }
   report.add("most_extinction", jsonNumber(most),
-             fmt::format("{:.4g} 1/m at {:.6g} s (visibility {:.3g} m with C = 3)", most, mostTime,
-                         3 / most));
+             fmt::format("{:.4g} 1/m at {} s (visibility {:.3g} m with C = 3)", most,
+                         plainNumber(mostTime), 3 / most));
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/fds/fds_input.hpp"
 #include "volute/fds/fds_march.hpp"
 #include "volute/fds/solids.hpp"
@@ -716,9 +717,9 @@ std::vector<Remark> FdsSight::remarks() const {
         remarks.push_back(remark);
     }
     if (isBeyond(other.times(), case_.times())) {
-      remarks.push_back(fmt::format(
-          "{}: {} is stored from {:g} to {:g} s; {} serves at other times", name_,
-          case_.source().name, case_.times().front(), case_.times().back(), other.source().name));
+      remarks.push_back(fmt::format("{}: {} is stored from {} to {} s; {} serves at other times",
+                                    name_, case_.source().name, plainNumber(case_.times().front()),
+                                    plainNumber(case_.times().back()), other.source().name));
     }
     if (!case_.isWhole()) {
       remarks.push_back(

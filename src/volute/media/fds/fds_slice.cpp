@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "volute/base/number_word.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/fds/frame_file.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/image/srgb.hpp"
@@ -157,7 +158,7 @@ std::string hottestSlice(const SmvIndex& index) {
       const double most = *std::ranges::max_element(values);
       if (most > hottest) {
         hottest = most;
-        best = fmt::format("TEMPERATURE {}={:g}", "xyz"[axis], place);
+        best = fmt::format("TEMPERATURE {}={}", "xyz"[axis], plainNumber(place));
       }
     }
   }
@@ -190,8 +191,9 @@ Result<FdsSliceSheet> FdsSliceSheet::open(const SmvIndex& index, const std::stri
       if (!flat && (named.place < opened.bounds().min[named.axis] ||
                     named.place > opened.bounds().max[named.axis])) {
         return fail(ErrorCode::kInvalidArgument,
-                    "{}: {} is outside of the case; expected {:g} to {:g} m", index.path.string(),
-                    quantity, opened.bounds().min[named.axis], opened.bounds().max[named.axis]);
+                    "{}: {} is outside of the case; expected {} to {} m", index.path.string(),
+                    quantity, plainNumber(opened.bounds().min[named.axis]),
+                    plainNumber(opened.bounds().max[named.axis]));
       }
       if (source.kind == FdsFileKind::kSlice || source.kind == FdsFileKind::kPlot)
         sheet.unit_ = labelsOf(index, source, source.parts.front()).unit;

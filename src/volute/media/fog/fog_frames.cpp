@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/stored_color.hpp"
 #include "volute/media/camera_file.hpp"
@@ -242,7 +243,8 @@ class Distances {
     const bool nothing = !(nearest_ <= farthest_);
     std::string text = fmt::format("{}: depth by {}: ", path_, depth_.what);
     text += nothing ? std::string("nothing but sky")
-                    : fmt::format("{:.4g} to {:.4g} m {}", nearest_, farthest_, how);
+                    : fmt::format("{} to {} m {}", plainNumber(nearest_, 4),
+                                  plainNumber(farthest_, 4), how);
     if (sky_ > 0 && !nothing)
       text += fmt::format(", {:.3g} % sky", 100.0 * static_cast<double>(sky_) / count_);
     return {RemarkCode::kNote, nothing ? "sky" : depth_.what + how, std::move(text)};
@@ -570,9 +572,9 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
     const bool early = time < times.front();
     out.remarks.push_back(
         {RemarkCode::kAssumed, early ? "before maps" : "after maps",
-         fmt::format("{}: {:.6g} s is {} map, at {:.6g} s, which stays", fog.info().file, time,
+         fmt::format("{}: {} s is {} map, at {} s, which stays", fog.info().file, plainNumber(time),
                      early ? "before the first" : "after the last",
-                     early ? times.front() : times.back())});
+                     plainNumber(early ? times.front() : times.back()))});
   }
   VOLUTE_ASSIGN(const auto now, fog.at({.time = time}, reading.progress));
   std::vector<AnyMedium> medium;
@@ -586,10 +588,12 @@ Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
     out.remarks.push_back(
         {RemarkCode::kDoubtful, "no fog",
          fmt::format("{}: the fog changes no pixel: its map is 0 there, or elsewhere: it is at x = "
-                     "{:g} to {:g}, y = {:g} to {:g}, z = {:g} to {:g} m, the camera at {:g}, "
-                     "{:g}, {:g}",
-                     frame.color, box.min.x(), box.max.x(), box.min.y(), box.max.y(), box.min.z(),
-                     box.max.z(), eye.x(), eye.y(), eye.z())});
+                     "{} to {}, y = {} to {}, z = {} to {} m, the camera at {}, "
+                     "{}, {}",
+                     frame.color, plainNumber(box.min.x()), plainNumber(box.max.x()),
+                     plainNumber(box.min.y()), plainNumber(box.max.y()), plainNumber(box.min.z()),
+                     plainNumber(box.max.z()), plainNumber(eye.x()), plainNumber(eye.y()),
+                     plainNumber(eye.z()))});
   }
   return out;
 }

@@ -9,6 +9,7 @@
 #include <limits>
 #include <set>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/io/frame_file.hpp"
 #include "volute/io/frame_pattern.hpp"
 #include "volute/io/image_file.hpp"
@@ -325,13 +326,14 @@ void tellOfPlace(const VolumeInfo& info, const FogDescription& fog, Progress& pr
   const bool stated = !same(silent.bounds.min, corner) || !same(silent.bounds.max, info.bounds.max);
   if (fog.placed || !stated || (same(cell, Vec3::Constant(map.cell)) && same(corner, map.origin)))
     return;
-  progress.remark(Remark{
-      RemarkCode::kLeftOut,
-      fmt::format("{}: says that its cells are {:g} x {:g} m from x = {:g}, y = {:g} m; this "
-                  "is not used: the map's are {:g} m from {:g}, {:g} m",
-                  fog.maps.front(), cell.x(), cell.y(), corner.x(), corner.y(), map.cell,
-                  map.origin.x(), map.origin.y())}
-                      .in(fog.maps.front()));
+  progress.remark(
+      Remark{RemarkCode::kLeftOut,
+             fmt::format("{}: says that its cells are {:g} x {:g} m from x = {}, y = {} m; this "
+                         "is not used: the map's are {:g} m from {}, {} m",
+                         fog.maps.front(), cell.x(), cell.y(), plainNumber(corner.x()),
+                         plainNumber(corner.y()), map.cell, plainNumber(map.origin.x()),
+                         plainNumber(map.origin.y()))}
+          .in(fog.maps.front()));
 }
 
 /// Beyond the map of heights there is no fog.
@@ -347,11 +349,12 @@ void tellOfTop(const FogMap& map, const FogMap& top, const FogDescription& fog,
     return;
   progress.remark(
       Remark{RemarkCode::kDoubtful,
-             fmt::format("{}: the map of the top covers x = {:g} to {:g}, y = {:g} to {:g} m, the "
-                         "map of the fog {:g} to {:g}, {:g} to {:g} m: there is no fog beyond the "
+             fmt::format("{}: the map of the top covers x = {} to {}, y = {} to {} m, the "
+                         "map of the fog {} to {}, {} to {} m: there is no fog beyond the "
                          "top's; its cell is {:g} m",
-                         fog.top->file, low.x(), high.x(), low.y(), high.y(), from.x(), to.x(),
-                         from.y(), to.y(), top.cell)}
+                         fog.top->file, plainNumber(low.x()), plainNumber(high.x()),
+                         plainNumber(low.y()), plainNumber(high.y()), plainNumber(from.x()),
+                         plainNumber(to.x()), plainNumber(from.y()), plainNumber(to.y()), top.cell)}
           .in(fog.top->file));
 }
 

@@ -13,6 +13,7 @@
 #include "volute/base/assert.hpp"
 #include "volute/base/file_name.hpp"
 #include "volute/base/gather_values.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/lighting/share_fit.hpp"
@@ -252,10 +253,11 @@ Result<std::vector<float>> SmokeMedium::extinctionOf(const Stored& stored) const
   const auto vertex = endless - extinction.begin();
   const Vec3& place = frame.mesh->vertices()[static_cast<std::size_t>(vertex)];
   return fail(ErrorCode::kInvalidData, {Hint::choose("field"), Hint::set("quantity")},
-              "{}: field '{}' is {} at {:.4g}, {:.4g}, {:.4g} m, which as {} is no finite "
+              "{}: field '{}' is {} at {}, {}, {} m, which as {} is no finite "
               "extinction",
               description_.file, frame.field, frame.values[static_cast<std::size_t>(vertex)],
-              place.x(), place.y(), place.z(), nameOf(description_.model.quantity));
+              plainNumber(place.x(), 4), plainNumber(place.y(), 4), plainNumber(place.z(), 4),
+              nameOf(description_.model.quantity));
 }
 
 /// Of what a share of a mesh is not enough for.
@@ -367,11 +369,12 @@ void SmokeMedium::tellOverlap(const Stored& stored) {
       Remark(
           RemarkCode::kDoubtful,
           fmt::format("{}: step {}: {:.3g} % of the volume of its cells lie in other cells too, as "
-                      "at ({:.4g}, {:.4g}, {:.4g}) m; pictures may count the smoke of both there, "
+                      "at ({}, {}, {}) m; pictures may count the smoke of both there, "
                       "sight lines that of one; write each place once, or mark the cells that are "
                       "copies (vtkGhostType)",
-                      description_.file, stored.index, 100 * overlap.share, overlap.first.x(),
-                      overlap.first.y(), overlap.first.z()))
+                      description_.file, stored.index, 100 * overlap.share,
+                      plainNumber(overlap.first.x(), 4), plainNumber(overlap.first.y(), 4),
+                      plainNumber(overlap.first.z(), 4)))
           .in(description_.file));
 }
 

@@ -15,6 +15,7 @@
 
 #include "volute/base/lower_case.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/fitted_source.hpp"
 #include "volute/io/unit.hpp"
@@ -353,12 +354,15 @@ Status VolumeMedium::findContent(Progress& progress) {
   const Vec3 low = whole.min + content.min.cwiseProduct(whole.size()),
              high = whole.min + content.max.cwiseProduct(whole.size());
   progress.remark(fmt::format(
-      "{}: 99.9 % of '{}' lie between {:.4g}, {:.4g}, {:.4g} and {:.4g}, {:.4g}, {:.4g} m, which "
+      "{}: 99.9 % of '{}' lie between {}, {}, {} and {}, {}, {} m, which "
       "is "
-      "what is looked at; the rest is as far as {:.4g}, {:.4g}, {:.4g} and {:.4g}, {:.4g}, {:.4g} "
+      "what is looked at; the rest is as far as {}, {}, {} and {}, {}, {} "
       "m",
-      path_, volume_.name, low.x(), low.y(), low.z(), high.x(), high.y(), high.z(), whole.min.x(),
-      whole.min.y(), whole.min.z(), whole.max.x(), whole.max.y(), whole.max.z()));
+      path_, volume_.name, plainNumber(low.x(), 4), plainNumber(low.y(), 4),
+      plainNumber(low.z(), 4), plainNumber(high.x(), 4), plainNumber(high.y(), 4),
+      plainNumber(high.z(), 4), plainNumber(whole.min.x(), 4), plainNumber(whole.min.y(), 4),
+      plainNumber(whole.min.z(), 4), plainNumber(whole.max.x(), 4), plainNumber(whole.max.y(), 4),
+      plainNumber(whole.max.z(), 4)));
   return {};
 }
 
