@@ -427,6 +427,13 @@ class Tenability(Cases):
         self.assertAlmostEqual(found["times_interpolated"][0], 8, 4)
         self.assertAlmostEqual(dose["dose_at_the_end"][0], 20 / 981.690, 5)
         self.assertIn("no field with a usual name of temperature", answers(named)[0]["not_assessed"])
+        # Units that cannot be.
+        for case, said, told in ((usual, "temperature=T:C", "field 'T' is 293.1 and more, read in C; expected what air has: is it temperature=T:K?"),
+                                 (named, "temperature=gas:K", "field 'gas' is 20 and less, read in K; expected what air has: is it temperature=gas:C?"),
+                                 (usual, "oxygen=O2:%", "field 'O2' is 0.15 and less, read in %; expected what air has: is it oxygen=O2:mol/mol?"),
+                                 (usual, "carbon-monoxide=CO:ppm", "field 'CO' is at most 0.001, read in ppm: is it carbon-monoxide=CO:mol/mol?")):
+            answers(case, "--air-fields", said)
+            self.assertIn(told, (self.path("out") / "visibility.json").read_text())
         for bad, word in (("temprature=gas", "did you mean 'temperature'"), ("temperature=gas:F", "expected K or C"),
                           ("temperature", "QUANTITY=FIELD:UNIT")):
             self.assertIn(word, self.fails(2, "visibility", named, "--field", "smoke", "--quantity", "extinction", "--signs",

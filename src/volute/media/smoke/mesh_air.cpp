@@ -12,6 +12,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/lower_case.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/suggest.hpp"
 #include "volute/io/foam_files.hpp"
 #include "volute/media/smoke/smoke_words.hpp"
@@ -87,11 +88,13 @@ std::string_view unitsOf(const UsualField& usual) {
 /// A field of a mesh as a quantity of the air.
 class MeshPoints final : public PointField {
  public:
-  MeshPoints(MeshSource source, MeshAirField named, Conversion conversion, bool ofGas)
+  MeshPoints(MeshSource source, MeshAirField named, Conversion conversion, bool ofGas,
+             std::shared_ptr<MeshGasRead> read = nullptr)
       : source_(std::move(source)),
         named_(std::move(named)),
         conversion_(conversion),
-        ofGas_(ofGas) {}
+        ofGas_(ofGas),
+        read_(std::move(read)) {}
 
   std::string description() const override {
     return fmt::format("{} (field '{}' in {})", named_.quantity, named_.field, named_.unit);
@@ -126,9 +129,9 @@ class MeshPoints final : public PointField {
     const double low = factor * least, high = factor * most;
     if (high <= kAll && low >= -std::max(kLittle, kShare * high))
       return {};
-    const std::string found =
-        fmt::format("{}: field '{}' is {:g} at {:g} s, read in {}", source_.path().string(),
-                    named_.field, high > kAll ? most : least, times()[number], named_.unit);
+    const std::string found = fmt::format(
+        "{}: field '{}' is {:g} at {} s, read in {}", source_.path().string(), named_.field,
+        high > kAll ? most : least, plainNumber(times()[number]), named_.unit);
     if (high <= kAll)
       return fail(ErrorCode::kInvalidData, "{}; expected none or more of a gas", found);
     return fail(ErrorCode::kInvalidData, Hint::set("air_fields"),
@@ -145,6 +148,8 @@ class MeshPoints final : public PointField {
       VOLUTE_TRY(checkGas(read.values, number));
       const auto all = static_cast<float>(1 / conversion_.factor);
       for (float& value : read.values) value = std::clamp(value, 0.0F, all);
+      if (read_)
+        read_->most = std::max<double>(read_->most, std::ranges::max(read.values));
     }
     if (!locator_ || &locator_->mesh() != read.mesh.get())
       locator_ = std::make_shared<const TetLocator>(read.mesh);
@@ -158,6 +163,7 @@ class MeshPoints final : public PointField {
   MeshAirField named_;
   Conversion conversion_;
   bool ofGas_;
+  std::shared_ptr<MeshGasRead> read_;                                    // null: nobody asks
   std::shared_ptr<const TetLocator> locator_;                            // of the last mesh
   std::map<std::size_t, std::shared_ptr<const TetSightSnapshot>> kept_;  // two at most
 };
@@ -192,6 +198,27 @@ Result<std::string> unitOf(const MeshSource& mesh, const UsualField& usual,
   if (flux)
     return std::string(says ? "W/m2" : "kW/m2");
   return std::string(extensionOf(mesh.path()) == ".foam" ? "kg/kg" : "mol/mol");
+}
+
+/// A unit that somebody said, where the field is no temperature, or no oxygen, of air in it.
+Status checkUnit(const MeshSource& mesh, const UsualField& usual, const MeshFieldSummary& field,
+                 const std::string& unit) {
+  constexpr double kNoRoom = 200, kNoAir = 150;  // [degrees C] everywhere, [K]
+  constexpr double kNoOxygen = 0.01;             // [mol/mol]
+  const auto wrong = [&](double value, const char* how, std::string_view better) {
+    return fail(
+        ErrorCode::kInvalidData, Hint::set("air_fields"),
+        "{}: field '{}' is {:.4g} and {}, read in {}; expected what air has: is it {}={}:{}?",
+        mesh.path().string(), field.name, value, how, unit, usual.quantity, field.name, better);
+  };
+  if (usual.quantity == "temperature" && unit == "C" && field.least >= kNoRoom)
+    return wrong(field.least, "more", "K");
+  if (usual.quantity == "temperature" && unit == "K" && field.most < kNoAir)
+    return wrong(field.most, "less", "C");
+  const double share = field.most * conversionOf(usual, unit)->factor;
+  if (usual.quantity == "oxygen" && field.most > 0 && share < kNoOxygen)
+    return wrong(field.most, "less", field.most <= 1 ? "mol/mol" : "%");
+  return {};
 }
 
 Status checkDimensions(const MeshSource& mesh, const UsualField& usual, const std::string& field) {
@@ -266,9 +293,20 @@ Result<std::vector<MeshAirField>> parseMeshAir(std::string_view text) {
   return all;
 }
 
+std::optional<Remark> MeshGasRead::doubt() const {
+  constexpr double kHarmless = 1;  // [ppm], of any gas
+  if (named.unit != "ppm" || !(most > 0) || most >= kHarmless)
+    return std::nullopt;
+  return Remark(RemarkCode::kDoubtful,
+                fmt::format("field '{}' is at most {:.3g}, read in ppm: is it {}={}:mol/mol?",
+                            named.field, most, named.quantity, named.field),
+                {Hint::set("air_fields")});
+}
+
 Result<std::unique_ptr<PointField>> meshConditions(
     const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
-    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later) {
+    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later,
+    std::vector<std::shared_ptr<MeshGasRead>>& gases) {
   const UsualField* usual = usualField(quantity);
   const auto said = std::ranges::find(named, quantity, &MeshAirField::quantity);
   MeshAirField one{std::string(quantity), "", ""};
@@ -293,14 +331,20 @@ Result<std::unique_ptr<PointField>> meshConditions(
   one.field = summary->name;
   one.unit = said != named.end() ? said->unit : "";
   VOLUTE_TRY(checkDimensions(mesh, *usual, one.field));
+  const bool ofGas = isOfGas(*usual);
+  std::shared_ptr<MeshGasRead> read;
   if (one.unit.empty()) {
     VOLUTE_ASSIGN(one.unit, unitOf(mesh, *usual, *summary));
+  } else {
+    VOLUTE_TRY(checkUnit(mesh, *usual, *summary, one.unit));
+    if (ofGas)
+      read = gases.emplace_back(std::make_shared<MeshGasRead>(MeshGasRead{one}));
   }
-  const bool ofGas = isOfGas(*usual);
   VOLUTE_ASSIGN(auto source,
                 mesh.withField(one.field, ofGas ? Negatives::kKeep : Negatives::kClamp));
   const Conversion conversion = *conversionOf(*usual, one.unit);
-  return std::make_unique<MeshPoints>(std::move(source), std::move(one), conversion, ofGas);
+  return std::make_unique<MeshPoints>(std::move(source), std::move(one), conversion, ofGas,
+                                      std::move(read));
 }
 
 Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh, const std::string& field) {

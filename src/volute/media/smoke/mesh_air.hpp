@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,6 +22,15 @@ struct MeshAirField {
   std::string unit;  ///< "K", "C", "mol/mol", "%", "ppm", "kg/kg", "kW/m2", "W/m2"; empty: not said
 };
 
+/// How much of a gas there was in all that was read.
+struct MeshGasRead {
+  MeshAirField named;
+  double most = 0;  ///< in its unit
+
+  /// Where all that is read is so little that its unit is in doubt.
+  std::optional<Remark> doubt() const;
+};
+
 using MeshFieldNames = std::vector<std::vector<std::string>>;
 
 /// "temperature=T:K,oxygen=O2:%": a unit may be left out where the field's is clear. The error says
@@ -32,13 +42,16 @@ using MeshFieldNames = std::vector<std::vector<std::string>>;
 /// temperature without a unit is in K where all of its values are at least 150, else in degrees C;
 /// gases are in mol/mol, those of OpenFOAM in kg/kg, which counts as in air of 28.96 g/mol.
 /// Dimensions that OpenFOAM states are the quantity's (or none), a temperature in K is not below
-/// 150, a flux in them is in W/m2. kNotFound where there is none.
+/// 150, a flux in them is in W/m2. Of a unit that is said, a temperature or oxygen that no air has
+/// is an error. kNotFound where there is none.
+/// @param gases  gets gases in a unit that is said
 /// @param fields  the case's, at its first time
 /// @param later  gives the names of its fields at each time, as far as they are told without
 ///               reading; asked where the first time lacks the field
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshConditions(
     const MeshSource& mesh, std::string_view quantity, std::span<const MeshAirField> named,
-    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later);
+    std::span<const MeshFieldSummary> fields, const std::function<const MeshFieldNames&()>& later,
+    std::vector<std::shared_ptr<MeshGasRead>>& gases);
 
 /// A scalar field as it is stored, at the points of a case.
 [[nodiscard]] Result<std::unique_ptr<PointField>> meshField(const MeshSource& mesh,

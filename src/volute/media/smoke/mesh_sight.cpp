@@ -28,7 +28,16 @@ Result<std::unique_ptr<PointField>> MeshSight::conditions(std::string_view quant
     VOLUTE_ASSIGN(auto described, smoke_->source().describe(0));
     fields_ = std::move(described.fields);
   }
-  return meshConditions(smoke_->source(), quantity, air_, *fields_, later);
+  return meshConditions(smoke_->source(), quantity, air_, *fields_, later, gases_);
+}
+
+std::vector<Remark> MeshSight::remarksOn(double largest) const {
+  std::vector<Remark> remarks = smoke_->remarksOn(largest, "");
+  for (const auto& gas : gases_) {
+    if (auto doubt = gas->doubt())
+      remarks.push_back(std::move(*doubt).in(smoke_->source().path().string()));
+  }
+  return remarks;
 }
 
 Result<std::shared_ptr<const SightSnapshot>> MeshSight::readOwn(std::size_t time) {

@@ -25,9 +25,7 @@ class MeshSight final : public SightField {
 
   std::optional<double> largestRead() const override { return largest_; }
 
-  std::vector<Remark> remarksOn(double largest) const override {
-    return smoke_->remarksOn(largest, "");
-  }
+  std::vector<Remark> remarksOn(double largest) const override;
 
   std::span<const double> times() const override { return smoke_->source().times(); }
 
@@ -41,6 +39,7 @@ class MeshSight final : public SightField {
  private:
   std::shared_ptr<SmokeMedium> smoke_;
   std::vector<MeshAirField> air_;
+  std::vector<std::shared_ptr<MeshGasRead>> gases_;      // in units that are said
   std::optional<std::vector<MeshFieldSummary>> fields_;  // when they were asked for
   std::optional<MeshFieldNames> names_;                  // the same
   std::shared_ptr<const TetLocator> locator_;            // of the last mesh
