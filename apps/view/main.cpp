@@ -74,7 +74,11 @@ Status run(const Arguments& arguments, Context& context) {
   VOLUTE_TRY(checkTarget(*target));
   VOLUTE_ASSIGN(const Image image,
                 viewerScreenshot(open, start, !arguments.flag("no-panels"), context.progress));
-  return writeImage(*target, image);
+  VOLUTE_TRY(writeImage(*target, image));
+  if (context.json) {
+    context.printJson({{"output", *target}, {"width", image.width}, {"height", image.height}});
+  }
+  return {};
 }
 
 }  // namespace

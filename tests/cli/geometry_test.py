@@ -102,6 +102,19 @@ class Geometry(support.TestCase):
         self.assertEqual(picture.at(4, 4, 0), 0)
         self.assertEqual(picture.at(4, 0, 0), 9)
 
+    def test_materials_are_in_a_file_with_blanks_in_its_name(self):
+        self.path("my floor.mtl").write_text("newmtl red\nKd 0.8 0.1 0.1\n")
+        for library in ("my floor.mtl", "of another.mtl"):
+            self.path("floor.obj").write_text(f"mtllib {library}\nusemtl red\n" + obj(floor()))
+            self.path("scene.json").write_text(json.dumps(self.scene))
+            result = self.works("render", self.path("scene.json"), "-o", self.path("o.exr"))
+            self.assertEqual("the material 'red' is in" in result.message, library != "my floor.mtl", result.message)
+
+    def test_geometry_alone_is_no_volume(self):
+        for command in (("info",), ("render", "-o", self.path("o.exr"))):
+            self.assertIn('is geometry, not a volume; expected it in a scene, as its "geometry"',
+                          self.fails(1, command[0], self.path("floor.obj"), *command[1:]))
+
     def test_gltf_has_y_upwards(self):
         self.path("tri.glb").write_bytes(glb([(-2, 0, 0), (2, 0, 0), (0, 4, 0)]))
         self.scene["camera"] = {"eye": [0, -9, 2], "target": [0, 0, 2], "ortho": 8, "size": [8, 8]}

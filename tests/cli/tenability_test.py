@@ -1161,6 +1161,12 @@ class Sweep(Cases):
         self.assertEqual((out["done"], out["failed"]), (3, 1))
         self.assertIn("nowhere.smv", self.rows()["nowhere_v"]["why"])
         self.assertIn("'coarse_v' has another plan", said)
+        # With the option that it is about.
+        write_vtu(self.path("a.vtu"), (4, 4, 3), (4, 4, 3), lambda *_: 0.1)
+        soot = {"field": "smoke", "quantity": "extinction", "mass-extinction": 7600}
+        _, said = self.sweep(self.study(cases=["cases", {"case": "a.vtu", "options": soot}], variants=[{"name": "v"}]))
+        self.assertTrue(self.rows()["a_v_2"]["why"].startswith("mass-extinction: is of soot"))
+        self.assertIn("run 'a_v_2': mass-extinction: is of soot", said)
 
     def test_runs_by_their_numbers(self):
         """As an array of jobs does them, and the table when all are done."""

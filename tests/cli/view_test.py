@@ -36,6 +36,11 @@ class View(support.TestCase):
         self.assertNotEqual(first, later)
         self.assertEqual(first, self.frame(self.volume(), "--no-panels"))
 
+    def test_json_names_the_picture(self):
+        result = self.works("view", self.volume(), "--screenshot", self.path("s.png"), "--size", "320x200", "--json")
+        report = json.loads(result.text)
+        self.assertEqual((report["output"], report["width"], report["height"]), (str(self.path("s.png")), 320, 200))
+
     def test_another_file_is_on_the_right(self):
         alone = self.frame(self.volume(), "--no-panels")
         write_npy(self.path("empty.npy"), (2, 10, 10, 10), [0.0] * 2000)

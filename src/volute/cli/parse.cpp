@@ -174,6 +174,22 @@ Result<Arguments> parseArguments(const Command& command, const std::vector<std::
   return arguments;
 }
 
+SettingText optionsOf(const Command& command) {
+  return [&command](const std::string& setting, const std::string& value) -> std::string {
+    if (setting == "resample")  // another command's doing
+      return "volute resample";
+    std::string option = setting;
+    std::ranges::replace(option, '_', '-');
+    const std::string name = option.substr(0, option.find('['));
+    const auto has = [&](std::span<const Option> options) {
+      return std::ranges::find(options, name, &Option::name) != options.end();
+    };
+    if (!has(command.options) && !has(commonOptions()))
+      return "";
+    return value.empty() ? "--" + option : fmt::format("--{} {}", option, value);
+  };
+}
+
 Result<std::size_t> findCommandWord(const std::vector<std::string>& words) {
   CLI::App app;
   app.set_help_flag();

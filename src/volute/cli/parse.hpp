@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "volute/base/advice.hpp"
 #include "volute/cli/command.hpp"
 
 namespace volute::cli {
@@ -14,6 +15,9 @@ namespace volute::cli {
 /// Errors are kInvalidArgument.
 [[nodiscard]] Result<Arguments> parseArguments(const Command& command,
                                                const std::vector<std::string>& words);
+
+/// Settings as options of a command.
+SettingText optionsOf(const Command& command);
 
 /// Where the command's name stands: common options may come before it. words.size() when there is
 /// none.

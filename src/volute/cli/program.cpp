@@ -43,23 +43,6 @@ constexpr int kDone = 0;
 constexpr int kCouldNot = 1;
 constexpr int kWrongUsage = 2;
 
-/// Settings as options of a command.
-SettingText optionsOf(const Command& command) {
-  return [&command](const std::string& setting, const std::string& value) -> std::string {
-    if (setting == "resample")  // another command's doing
-      return "volute resample";
-    std::string option = setting;
-    std::ranges::replace(option, '_', '-');
-    const std::string name = option.substr(0, option.find('['));
-    const auto has = [&](std::span<const Option> options) {
-      return std::ranges::find(options, name, &Option::name) != options.end();
-    };
-    if (!has(command.options) && !has(commonOptions()))
-      return "";
-    return value.empty() ? "--" + option : fmt::format("--{} {}", option, value);
-  };
-}
-
 int wrongUsage(const Error& error) {
   letFirstRankSpeak();
   say("volute: {}\n'volute help' lists the commands.\n", printableMessage(error.message));

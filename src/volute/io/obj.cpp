@@ -190,6 +190,10 @@ class ObjReader {
       if (found != named_.end() && uncolored_.empty() && !colored_.contains(material_))
         uncolored_ = name;
     } else if (keyword == "mtllib") {
+      // Several names, or one with blanks in it, as Blender writes it.
+      const std::string whole = trimmedName(rest);
+      if (whole.find(' ') != whole.npos && isThere(whole))
+        return addLibrary(whole, line);
       while (!rest.empty()) {
         const std::string_view name = nextWord(rest);
         if (!name.empty())
@@ -255,10 +259,20 @@ class ObjReader {
     return {};
   }
 
+  std::filesystem::path folderOf() const {
+    return path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
+  }
+
+  bool isThere(const std::string& name) {
+    const auto file = written_.find(folderOf(), name);
+    std::error_code error;
+    return isBelowFolder(file, folderOf()) && std::filesystem::is_regular_file(file, error);
+  }
+
   /// A library that is not there leaves its materials at the default, as such files often travel
   /// alone.
   Status addLibrary(const std::string& name, int line) {
-    const auto folder = path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
+    const auto folder = folderOf();
     const auto file = written_.find(folder, name);
     if (!isBelowFolder(file, folder))
       return fault(line, "'{}' is not below the file's own folder", name);

@@ -15,6 +15,7 @@
 #include "volute/io/npy.hpp"
 #include "volute/io/plugin.hpp"
 #include "volute/io/raw_volume.hpp"
+#include "volute/io/surface_file.hpp"
 
 namespace volute {
 namespace {
@@ -163,6 +164,11 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
   }
   const bool vdb = isVdbPath(input) || folder;
   const bool vtk = extension == ".vti" || extension == ".pvd";
+  if (!vdb && !vtk && isSurfacePath(input)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: is geometry, not a volume; expected it in a scene, as its \"geometry\"",
+                input.string());
+  }
   if (!vdb && !vtk) {
     return fail(ErrorCode::kUnsupported,
                 "{}: not a known kind of volume; expected .npy, .npz or .vdb (a file, a pattern or "

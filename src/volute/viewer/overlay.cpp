@@ -104,7 +104,11 @@ void drawRuler(ViewerApp& app, const Camera& camera, const Lines& lines) {
   const auto at = camera.project(0.5 * (ends[0] + ends[1]));
   if (!at)
     return;
-  const Vec3 way = ends[1] - ends[0];
+  Vec3 way = ends[1] - ends[0];
+  for (double& along : way) {
+    if (std::abs(along) < 1e-6 * way.norm())  // rounding
+      along = 0;
+  }
   const std::string text =
       fmt::format("{:.4g} m\nx {:.4g}  y {:.4g}  z {:.4g}", way.norm(), way.x(), way.y(), way.z());
   ImDrawList* list = ImGui::GetBackgroundDrawList();

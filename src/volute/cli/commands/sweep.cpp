@@ -39,7 +39,15 @@ Status surveyOf(const StudyRun& run, const std::filesystem::path& folder, Contex
   own.verbose = context.verbose;
   own.words = words;
   own.silent = true;
-  return command.run(arguments, own);
+  const Status status = command.run(arguments, own);
+  if (status)
+    return {};
+  // With the option that it is about, as studies name it.
+  const auto name = [](const std::string& setting, const std::string& value) {
+    const std::string option = optionsOf(command)(setting, value);
+    return option.starts_with("--") ? option.substr(2) : option;
+  };
+  return fail(status.error().code, "{}", fullText(status.error(), name));
 }
 
 /// A study says what is computed, and whoever starts it where that goes.
