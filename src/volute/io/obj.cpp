@@ -263,8 +263,9 @@ class ObjReader {
     return path_.has_parent_path() ? path_.parent_path() : std::filesystem::path(".");
   }
 
-  bool isThere(const std::string& name) {
-    const auto file = written_.find(folderOf(), name);
+  bool isThere(const std::string& name) const {
+    FilesAsWritten asked = written_;  // which counts names that differ
+    const auto file = asked.find(folderOf(), name);
     std::error_code error;
     return isBelowFolder(file, folderOf()) && std::filesystem::is_regular_file(file, error);
   }
