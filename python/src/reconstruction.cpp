@@ -11,6 +11,7 @@
 #include "volute/capture/capture_check.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/codec/compress.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/tomography/capture_refinement.hpp"
 #include "volute/tomography/line_volumes.hpp"
 #include "volute/tomography/reconstructed_frames.hpp"
@@ -109,6 +110,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   VolumeInfo info;
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
+    VOLUTE_TRY(checkReplacesNothing(output, {path}));
     VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
     remarkOn(given, progress);
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});

@@ -11,18 +11,6 @@
 #include "volute/io/output_names.hpp"
 
 namespace volute::cli {
-namespace {
-
-Status checkOne(std::string_view option, const std::string& output, const std::string& input,
-                const std::string& reader) {
-  if (!replaces(output, input))
-    return {};
-  return fail(ErrorCode::kInvalidArgument,
-              "--{}: {} is read{} and would be replaced; give another name", option, output,
-              reader.empty() ? "" : " by " + reader);
-}
-
-}  // namespace
 
 Status checkNothingOverwritten(const Command& command, const Arguments& arguments) {
   std::vector<std::pair<std::string_view, std::string>> outputs;
@@ -50,13 +38,8 @@ Status checkNothingOverwritten(const Command& command, const Arguments& argument
       VOLUTE_TRY(names.add(std::filesystem::path(output).replace_extension(".html").string(),
                            "the page of --report"));
   }
-  for (const std::string& input : inputs) {
-    for (const auto& [option, output] : outputs) VOLUTE_TRY(checkOne(option, output, input, ""));
-    for (const std::string& named : filesNamedIn(input)) {
-      for (const auto& [option, output] : outputs)
-        VOLUTE_TRY(checkOne(option, output, named, input));
-    }
-  }
+  for (const auto& [option, output] : outputs)
+    VOLUTE_TRY(checkReplacesNothing(output, inputs, option));
   // What other files name, a case's slices or a mesh's pieces, is known when it is read.
   std::vector<std::filesystem::path> targets;
   for (const auto& [option, output] : outputs) targets.emplace_back(output);

@@ -18,6 +18,7 @@
 #include "volute/base/process_usage.hpp"
 #include "volute/base/worker.hpp"
 #include "volute/image/picture_style.hpp"
+#include "volute/io/output_names.hpp"
 
 namespace volute {
 namespace {
@@ -420,6 +421,7 @@ Result<double> usualExposure(FilmJob& job, const Development& how, Progress& pro
 
 Status writeFilm(FilmJob& job, const std::string& target, Development& development,
                  std::uint64_t maxMemory, Progress& progress, Team& team) {
+  VOLUTE_TRY(checkReplacesNothing(target, job.scene.files()));
   return FilmPass(job, target, development, maxMemory, progress, team).run();
 }
 

@@ -8,6 +8,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/printable.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/named_files.hpp"
 
 namespace volute {
 namespace {
@@ -51,6 +52,20 @@ bool isSame(const fs::path& place, const fs::path& other) {
   return place == other || isOneOf(place, other) || isOneOf(other, place);
 }
 
+/// A file, or any of a pattern's.
+bool isThere(const fs::path& place) {
+  const auto pattern = FramePattern::parse(place);
+  std::error_code error;
+  if (!pattern)
+    return fs::exists(place, error);
+  for (fs::directory_iterator at(place.parent_path(), error), end; !error && at != end;
+       at.increment(error)) {
+    if (pattern->match(at->path().filename().string()))
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 Status OutputNames::add(const std::string& name, std::string_view what) {
@@ -79,10 +94,34 @@ bool replaces(const std::string& output, const std::string& input) {
   if (fs::is_directory(input, error)) {
     // What volumes in a folder are called.
     const std::string extension = extensionOf(place);
-    return (extension == ".vdb" || extension == ".npy") && fs::exists(place, error) &&
+    return (extension == ".vdb" || extension == ".npy") && isThere(place) &&
            place.parent_path() == placeOf(input);
   }
   return isSameFile(output, input) || isSame(place, placeOf(input));
+}
+
+Status checkReplacesNothing(const std::string& output, const std::vector<std::string>& inputs,
+                            std::string_view setting) {
+  const auto check = [&](const std::string& input, const std::string& reader) -> Status {
+    if (!replaces(output, input))
+      return {};
+    return failFor(setting, ErrorCode::kInvalidArgument,
+                   "{} is read{} and would be replaced; give another name", output,
+                   reader.empty() ? "" : " by " + reader);
+  };
+  if (output.empty() || output == "-")
+    return {};
+  for (const std::string& input : inputs) {
+    if (input.empty())
+      continue;
+    VOLUTE_TRY(check(input, ""));
+    for (const std::string& named : filesNamedIn(input)) VOLUTE_TRY(check(named, input));
+    if (extensionOf(input) != ".pvd")
+      continue;
+    for (const std::string& name : namesInCollection(input))
+      VOLUTE_TRY(check((fs::path(input).parent_path() / name).string(), input));
+  }
+  return {};
 }
 
 bool liesIn(const fs::path& file, const fs::path& folder) {

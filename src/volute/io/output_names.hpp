@@ -29,6 +29,13 @@ class OutputNames {
 /// files, through links too.
 [[nodiscard]] bool replaces(const std::string& output, const std::string& input);
 
+/// kInvalidArgument where `output` replaces one of `inputs`, or what one of these names: a scene's
+/// maps, a capture's masks, the files of a collection. "-" replaces nothing, "" is no input.
+/// @param setting  that the error is about; empty: none
+[[nodiscard]] Status checkReplacesNothing(const std::string& output,
+                                          const std::vector<std::string>& inputs,
+                                          std::string_view setting = {});
+
 /// Whether a file lies in a folder or below, through links too; neither need be there.
 [[nodiscard]] bool liesIn(const std::filesystem::path& file, const std::filesystem::path& folder);
 

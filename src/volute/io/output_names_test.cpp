@@ -67,6 +67,32 @@ TEST(OutputNames, WhatIsReadIsNotReplaced) {
   EXPECT_TRUE(replaces(base + "/in/a_%04d.npy", base + "/in/a_%04d.npy"));
 }
 
+TEST(OutputNames, APatternReplacesFilesOfTheFolderThatIsRead) {
+  const TempFolder folder;
+  const std::string base = folder.path().string();
+  writeBytes(folder / "a_0001.vdb", "x");
+  EXPECT_TRUE(replaces(base + "/a_%04d.vdb", base));
+  EXPECT_FALSE(replaces(base + "/b_%04d.vdb", base));
+}
+
+TEST(OutputNames, ChecksWhatAnInputNames) {
+  const TempFolder folder;
+  const std::string base = folder.path().string();
+  writeBytes(folder / "a.pvd", R"(<VTKFile><Collection><DataSet file="b.vti"/></Collection>)");
+  writeBytes(folder / "b.vti", "x");
+  writeBytes(folder / "s.json", R"({"media": [{"file": "c.npy"}]})");
+  const std::vector<std::string> inputs{base + "/a.pvd", "", base + "/s.json"};
+  EXPECT_TRUE(checkReplacesNothing(base + "/d.vti", inputs));
+  EXPECT_TRUE(checkReplacesNothing("-", inputs));
+  for (const char* output : {"/a.pvd", "/b.vti", "/c.npy"}) {
+    const Status status = checkReplacesNothing(base + output, inputs, "stats");
+    ASSERT_FALSE(status) << output;
+    EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(status.error().member, "stats");
+    EXPECT_THAT(status.error().message, HasSubstr("and would be replaced; give another name"));
+  }
+}
+
 TEST(OutputNames, AreNotLongerThanFileSystemsTake) {
   OutputNames names;
   EXPECT_TRUE(names.add(std::string(251, 'x') + ".npy", "the volume"));

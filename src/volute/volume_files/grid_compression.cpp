@@ -18,6 +18,7 @@
 #include "volute/codec/bundle.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/io/frame_pattern.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/volume_files/compression_report.hpp"
 #include "volute/volume_files/finite_source.hpp"
 
@@ -584,6 +585,7 @@ Result<CompressedGrids> compressGrids(const VolumeGrids& grids,
 Result<Report> compressVolume(const std::string& path, const std::string& target,
                               const GridCompression& how, const InputOptions& input,
                               Reading& reading, Team& team) {
+  VOLUTE_TRY(checkReplacesNothing(target, {path}));
   VOLUTE_ASSIGN(auto report, compressCache(path, target, how, input, reading, team));
   if (report)
     return *std::move(report);

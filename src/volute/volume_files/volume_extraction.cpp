@@ -574,6 +574,7 @@ Status extractVolute(const std::string& path, const std::string& target,
                      const ExtractionRequest& request, const Extracted& extracted, Reading& reading,
                      Team& team) {
   VOLUTE_TRY(checkWords(target, kGridWord));
+  VOLUTE_TRY(checkReplacesNothing(target, {path}));
   VOLUTE_TRY(checkFormat(target, false));
   Extractor extractor(path, request, extracted, reading, team);
   VOLUTE_ASSIGN(const auto main, openVolute(path, request.partial, reading, false));
@@ -659,6 +660,7 @@ Status extractVolute(const std::string& path, const std::string& target,
 Status extractFds(const std::string& path, const std::string& target,
                   const ExtractionRequest& request, const Extracted& extracted, Reading& reading) {
   VOLUTE_TRY(checkWords(target, kMeshWord));
+  VOLUTE_TRY(checkReplacesNothing(target, {path}));
   VOLUTE_TRY(checkFormat(target, false));
   Team alone;
   Extractor extractor(path, request, extracted, reading, alone);

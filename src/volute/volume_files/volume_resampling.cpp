@@ -10,6 +10,7 @@
 #include <set>
 
 #include "volute/base/plain_number.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/io/volume_sink.hpp"
 #include "volute/volume_files/volume_extraction.hpp"
 #include "volute/volume_files/volume_grids.hpp"
@@ -241,6 +242,7 @@ class Resampler {
 Result<OldGrid> Resampler::open(const std::string& name, const VolumeGrid* grid) {
   InputOptions input;
   input.grid = name;
+  input.partial = request_.partial;
   input.verify = grid == nullptr;
   input.notFinite = NotFinite::kRefuse;
   // What is not compressed stays float32 where it is.
@@ -357,6 +359,8 @@ Status Resampler::addAll() {
     return add(std::move(old));
   }
   InputOptions input;
+  input.partial = request_.partial;
+  input.verify = false;  // who reads a grid says what is damaged
   VOLUTE_ASSIGN(const auto grids, VolumeGrids::open(path_, input, reading_));
   VOLUTE_ASSIGN(const auto chosen, grids->choose(request_.fields, path_));
   std::vector<int> positions;
@@ -415,7 +419,10 @@ Result<Report> Resampler::run() {
   if (written_.empty())
     return fail(ErrorCode::kUnsupported, "{}: none of its grids holds a volume", path_);
   std::vector<std::string> names;
-  for (const WrittenGrid& grid : written_) names.push_back(grid.frames->info().name);
+  for (const WrittenGrid& grid : written_) {
+    names.push_back(grid.frames->info().name);
+    VOLUTE_TRY(checkReplacesNothing(nameOfGrid(target_, names.back()), {path_, request_.like}));
+  }
   VOLUTE_TRY(checkHoldsGrids(names, path_, target_));
   tellLosses();
   const int frames = written_[0].frames->info().frames;
@@ -455,6 +462,7 @@ Result<Report> Resampler::run() {
 
 Result<Report> resampleVolume(const std::string& path, const std::string& target,
                               const ResampleRequest& request, Reading& reading, Team& team) {
+  VOLUTE_TRY(checkReplacesNothing(target, {path, request.like}));
   return Resampler(path, target, request, reading, team).run();
 }
 

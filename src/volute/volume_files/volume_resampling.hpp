@@ -17,6 +17,7 @@ namespace volute {
 /// along each axis, around all that it takes in any frame, along the axes of the world.
 struct ResampleRequest {
   std::string fields{};  ///< grids of a file with several; empty: all
+  bool partial = false;  ///< a damaged .volute is read as far as it is intact
   FrameRange frames{};
   StatedInfo stated{};
   std::optional<Vec3> voxelSize{};     ///< [m]

@@ -10,6 +10,7 @@
 #include "volute/grid/sequence.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/volume_files/grid_compression.hpp"
+#include "volute/volume_files/volume_resampling.hpp"
 
 namespace volute {
 namespace {
@@ -109,6 +110,27 @@ TEST_F(VolumeWriterTest, GridsOfAFileAreCompressedAgain) {
   const auto refused = compressVolume(file, out, how, input, reading_, team_);
   EXPECT_EQ(refused.error().member, "bounds");
   EXPECT_THAT(refused.error().message, HasSubstr("is for one grid"));
+}
+
+TEST_F(VolumeWriterTest, WhatIsReadIsNotReplaced) {
+  ASSERT_TRUE(write({{&lightSource_}}, "a.npy"));
+  ASSERT_TRUE(write({{&lightSource_}}, "a.volute"));
+  std::filesystem::create_symlink("a.volute", folder_ / "link.volute");
+  const auto file = [&](const char* name) { return (folder_ / name).string(); };
+  const auto expectRefused = [](const Result<Report>& done) {
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_THAT(done.error().message, HasSubstr("is read and would be replaced"));
+  };
+  const ResampleRequest request{.voxelSize = Vec3::Constant(0.25)};
+  expectRefused(resampleVolume(file("a.npy"), file("a.npy"), request, reading_, team_));
+  expectRefused(resampleVolume(file("a.volute"), file("link.volute"), request, reading_, team_));
+  expectRefused(
+      resampleVolume(file("a.npy"), file("a.volute"), {.like = file("a.volute")}, reading_, team_));
+  expectRefused(compressVolume(file("link.volute"), file("a.volute"), {}, {}, reading_, team_));
+  ASSERT_TRUE(write({{&lightSource_}}, "density.npy"));
+  expectRefused(resampleVolume(file("density.npy"), file("{grid}.npy"), request, reading_, team_));
+  EXPECT_TRUE(resampleVolume(file("a.volute"), file("b.volute"), request, reading_, team_));
 }
 
 }  // namespace
