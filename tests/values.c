@@ -188,6 +188,24 @@ int main(int argc, char** argv) {
   CHECK(strstr(volute_error(), "choose one with grids") && !exists("grids.npy"));
   CHECK(volute_resample(argv[1], "grids.xyz", &resampling) == VOLUTE_INVALID_ARGUMENT);
   CHECK(strstr(volute_error(), "unknown format"));
+
+  /* What is read is not replaced; what is wrong is an argument, and no file. */
+  const volute_resampling coarse = {.size = sizeof coarse, .voxel_size = {0.5, 0.5, 0.5}};
+  CHECK(volute_resample("ones.volute", "ones.volute", &coarse) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "would be replaced"));
+  CHECK(volute_resample("ones.volute", "coarse.volute", &coarse) == VOLUTE_OK);
+  CHECK(volute_compress_array("b.vdb", &info, NULL, &array, VOLUTE_RMS, 1e-3) == VOLUTE_INVALID_ARGUMENT && !exists("b.vdb"));
+  volute_info wrong = info;
+  wrong.channels = 2;
+  CHECK(volute_compress_array("b.volute", &wrong, NULL, &array, VOLUTE_RMS, 1e-3) == VOLUTE_INVALID_ARGUMENT);
+  wrong = info, wrong.bounds_max[0] = -1;
+  CHECK(volute_compress_array("b.volute", &wrong, NULL, &array, VOLUTE_RMS, 1e-3) == VOLUTE_INVALID_ARGUMENT);
+  const double descending[2] = {1, 0};
+  wrong = info, wrong.frames = 2;
+  CHECK(volute_scene_open_array(&wrong, descending, &array, NULL, &scene) == VOLUTE_INVALID_ARGUMENT && strstr(volute_error(), "ascend"));
+  CHECK(volute_scene_open_array(&info, NULL, &array, "{\"file\": \"x.npy\"}", &scene) == VOLUTE_INVALID_ARGUMENT &&
+        strstr(volute_error(), "\"file\" is what is opened"));
+  const int32_t threads = volute_set_threads(1);
+  CHECK(volute_set_threads(-5) == -1 && strstr(volute_error(), "0 or more") && volute_set_threads(threads) == 1);
   puts("values are seen through");
   return 0;
 }

@@ -45,7 +45,7 @@ const char* volute_version(void);
 const char* volute_error(void);
 
 /* Limits the threads of all calls from now on; 0: as many as the machine has. Returns how many
- * there were. */
+ * there were; -1 where `count` is below 0, which changes nothing. */
 int32_t volute_set_threads(int32_t count);
 
 /* ---- files ---- */

@@ -70,4 +70,14 @@ std::string fullText(const Remark& remark, const SettingText& name) {
   return joined(remark.sentence, adviceText(remark.hints, name));
 }
 
+Error renamed(Error error, std::string_view from, const std::string& to) {
+  if (error.member == from)
+    error.member = to;
+  for (Hint& hint : error.hints) {
+    if (hint.setting == from)
+      hint.setting = to;
+  }
+  return error;
+}
+
 }  // namespace volute

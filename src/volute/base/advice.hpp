@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "volute/base/hint.hpp"
 #include "volute/base/remark.hpp"
@@ -23,5 +24,8 @@ std::string adviceText(const Hints& hints, const SettingText& name);
 /// The sentence with the setting that it is about and the advice.
 std::string fullText(const Error& error, const SettingText& name);
 std::string fullText(const Remark& remark, const SettingText& name);
+
+/// The same of an interface, or a part of it, that calls the setting `from` otherwise.
+[[nodiscard]] Error renamed(Error error, std::string_view from, const std::string& to);
 
 }  // namespace volute

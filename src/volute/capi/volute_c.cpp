@@ -15,6 +15,7 @@
 
 #include "volute/base/advice.hpp"
 #include "volute/base/callers_function.hpp"
+#include "volute/base/file_name.hpp"
 #include "volute/base/parallel.hpp"
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
@@ -103,6 +104,7 @@ std::string settingText(const std::string& setting, const std::string& value) {
       {"speed", "film.speed"},
       {"orbit", "film.orbit"},
       {"voxel_size", "voxel_size"},
+      {"grids", "grids"},
       {"rms", "rms"},
       {"output", "path"},
       {"height", "view.height"}};
@@ -276,12 +278,17 @@ Result<VolumeInfo> volumeOf(const char* function, const volute_info& said, const
     info.fillDefaults();
   if (!low.isZero(0) || !high.isZero(0))
     info.bounds = {low, high};  // wrong ones are refused below
-  VOLUTE_TRY(info.validate(function));
+  Status valid = info.validate(function);
+  if (!valid && valid.error().code == ErrorCode::kInvalidData)
+    valid.error().code = ErrorCode::kInvalidArgument;  // no file is
+  VOLUTE_TRY(std::move(valid));
   return info;
 }
 
 Status compressFrames(const char* function, const char* path, FrameSource& frames, int target,
                       double value) {
+  if (extensionOf(path) != ".volute")
+    return fail(ErrorCode::kInvalidArgument, "{}: '{}' does not end in .volute", function, path);
   if (target < VOLUTE_RMS || target > VOLUTE_RMS_OVER_ALL || !(value > 0) ||
       !std::isfinite(value)) {
     return fail(
@@ -717,7 +724,10 @@ volute_status volute_resample(const char* path, const char* target, const volute
     volute::CallerProgress progress(*how);
     volute::Reading reading{progress, volute::SceneOptions().maxMemory};
     volute::Team alone;
-    VOLUTE_TRY(volute::resampleVolume(path, target, request, reading, alone));
+    auto done = volute::resampleVolume(path, target, request, reading, alone);
+    if (!done)
+      return tl::unexpected<volute::Error>(
+          volute::renamed(std::move(done.error()), "field", "grids"));
     return {};
   };
   return guarded(resample, volute::resamplingText);
@@ -751,6 +761,10 @@ int32_t volute_set_threads(int32_t count) {
   static std::mutex mutex;
   static auto* limit = new std::unique_ptr<volute::ThreadLimit>;  // no order at the end matters
   const std::lock_guard lock(mutex);
+  if (count < 0) {
+    volute::lastError = fmt::format("volute_set_threads: {} threads; expected 0 or more", count);
+    return -1;
+  }
   const int before = volute::threadCount();
   limit->reset();  // a lower one would hold
   *limit = std::make_unique<volute::ThreadLimit>(count);
@@ -784,10 +798,15 @@ struct Opening {
   Status takeMembers(const char* text) {
     if (text)
       members = nlohmann::ordered_json::parse(text, nullptr, /*allow_exceptions=*/false);
-    if (members.is_object())
-      return {};
-    return fail(ErrorCode::kInvalidArgument,
-                "{}: members are no JSON object; expected {{\"name\": value}}", function);
+    if (!members.is_object())
+      return fail(ErrorCode::kInvalidArgument,
+                  "{}: members are no JSON object; expected {{\"name\": value}}", function);
+    for (const char* name : {"file", "case"}) {
+      if (members.contains(name))
+        return fail(ErrorCode::kInvalidArgument,
+                    "{}: members: \"{}\" is what is opened; leave it out", function, name);
+    }
+    return {};
   }
 
   /// @param values  an array or a function
