@@ -310,11 +310,9 @@ inline Box3 boxOf(const Bounds& bounds) {
           Vec3(bounds[1][0], bounds[1][1], bounds[1][2])};
 }
 
-/// What Python's own part says of a sequence of volumes, in a dict.
-inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
+/// Sets what Python's own part says of a sequence of volumes, in a dict.
+inline void restate(VolumeInfo& info, const py::dict& said) {
   const auto given = [&](const char* key) { return said.contains(key) && !said[key].is_none(); };
-  VolumeInfo info;
-  std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
   if (given("name") && py::len(said["name"]) > 0)
     info.name = said["name"].cast<std::string>();
   if (given("unit"))
@@ -326,13 +324,20 @@ inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
     info.up = up[0];
   if (given("times"))
     info.times = said["times"].cast<std::vector<double>>();
-  if (given("frame_numbers"))
+  if (given("frame_numbers")) {
     info.frameNumbers = said["frame_numbers"].cast<std::vector<int>>();
-  if (given("decimals"))
-    info.frameScale.decimals = said["decimals"].cast<int>();
+    info.frameScale.decimals = given("decimals") ? said["decimals"].cast<int>() : 0;
+  }
   info.fillDefaults();
   if (given("bounds"))
     info.bounds = boxOf(said["bounds"].cast<Bounds>());
+}
+
+/// Of such a dict.
+inline VolumeInfo infoOf(const Shape& shape, const py::dict& said) {
+  VolumeInfo info;
+  std::tie(info.frames, info.z, info.y, info.x, info.channels) = std::tuple_cat(shape);
+  restate(info, said);
   return info;
 }
 

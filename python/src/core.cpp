@@ -15,6 +15,7 @@
 #include "volute/base/version.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/codec/extract_source.hpp"
+#include "volute/codec/recompress.hpp"
 #include "volute/codec/volute_reader.hpp"
 #include "volute/fds/fds_volume.hpp"
 #include "volute/grid/bricks.hpp"
@@ -482,18 +483,9 @@ class PythonFrames final : public RoundingSource {
   double rounding_ = 0, offset_ = 0;
 };
 
-/// @param frames  an array of shape (t, z, y, x, c), or a function as PythonFrames has it
-/// @param said  of the volume, as infoOf() takes it
-/// @param rounding  of the values of `frames` before they came here
-/// @param doubles  what a function gives are such
-/// @param holes  values that are not finite are not there
-py::dict compressFrames(const py::object& frames, const Shape& shape,
-                        const std::filesystem::path& path, const std::string& target, double value,
-                        const py::dict& said, double rounding, bool doubles, bool holes,
-                        const std::string& wavelet, int effort, const std::string& access,
-                        const std::string& provenance, std::uint64_t maxMemory,
-                        const py::object& listener) {
-  using namespace py::literals;
+CompressOptions optionsOf(const std::string& target, double value, const std::string& wavelet,
+                          int effort, const std::string& access, const std::string& provenance,
+                          std::uint64_t maxMemory) {
   using Kind = ErrorTarget::Kind;
   constexpr std::array<std::pair<std::string_view, Kind>, 7> kKinds{
       {{"rms", Kind::kRms},
@@ -515,8 +507,46 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
                                       : Access::kAny;
   options.provenance = provenance;
   options.maxMemory = maxMemory;
+  return options;
+}
+
+py::dict dictOf(const CompressReport& report) {
+  using namespace py::literals;
+  return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
+                  "rms"_a = report.relativeRms, "support_rms"_a = report.support.rms,
+                  "support_share"_a = report.support.share, "max_error"_a = report.maxError,
+                  "value_range"_a = py::make_tuple(report.valueMin, report.valueMax),
+                  "seconds"_a = report.seconds);
+}
+
+/// What a caller states is an argument.
+void checkStated(const VolumeInfo& info, const std::filesystem::path& path) {
+  Status valid = info.validate(path.string());
+  if (!valid && valid.error().code == ErrorCode::kInvalidData)
+    valid.error().code = ErrorCode::kInvalidArgument;
+  take(std::move(valid));
+}
+
+/// @param frames  an array of shape (t, z, y, x, c), or a function as PythonFrames has it
+/// @param said  of the volume, as infoOf() takes it, and "source_rms" and "source_max_error" of
+/// what is compressed itself
+/// @param rounding  of the values of `frames` before they came here
+/// @param doubles  what a function gives are such
+/// @param holes  values that are not finite are not there
+py::dict compressFrames(const py::object& frames, const Shape& shape,
+                        const std::filesystem::path& path, const std::string& target, double value,
+                        const py::dict& said, double rounding, bool doubles, bool holes,
+                        const std::string& wavelet, int effort, const std::string& access,
+                        const std::string& provenance, std::uint64_t maxMemory,
+                        const py::object& listener) {
+  CompressOptions options =
+      optionsOf(target, value, wavelet, effort, access, provenance, maxMemory);
+  if (said.contains("source_max_error")) {
+    options.sourceRms = said["source_rms"].cast<double>();
+    options.sourceMaxError = said["source_max_error"].cast<double>();
+  }
   VolumeInfo info = infoOf(shape, said);
-  take(info.validate(path.string()));
+  checkStated(info, path);
   PythonProgress progress(listener);
   std::unique_ptr<FrameSource> source;
   if (py::isinstance<py::array>(frames))
@@ -527,13 +557,28 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
   if (holes)
     source = withoutHoles(std::move(source));
   RoundedFrames rounded(*source, rounding);
-  const CompressReport report =
+  CompressReport report =
       run(progress, [&](Progress& toCaller) { return compress(rounded, path, options, toCaller); });
-  return py::dict("raw_bytes"_a = report.rawBytes, "file_bytes"_a = report.fileBytes,
-                  "rms"_a = report.relativeRms, "support_rms"_a = report.support.rms,
-                  "support_share"_a = report.support.share, "max_error"_a = report.maxError,
-                  "value_range"_a = py::make_tuple(report.valueMin, report.valueMax),
-                  "seconds"_a = report.seconds);
+  report.maxError += options.sourceMaxError;
+  return dictOf(report);
+}
+
+/// The same of the grid of a file, with all that this says of it.
+/// @param said  what is to be said otherwise
+py::dict compressFile(const File& file, const std::filesystem::path& path,
+                      const std::string& target, double value, const py::dict& said,
+                      const std::string& wavelet, int effort, const std::string& access,
+                      const std::string& provenance, std::uint64_t maxMemory,
+                      const py::object& listener) {
+  const CompressOptions options =
+      optionsOf(target, value, wavelet, effort, access, provenance, maxMemory);
+  VolumeInfo info = file.reader().info();
+  restate(info, said);
+  checkStated(info, path);
+  const std::shared_ptr<const VoluteReader> reader(std::shared_ptr<void>(), &file.reader());
+  return dictOf(run(listener, [&](Progress& progress) {
+    return recompress(reader, info, path, options, progress);
+  }));
 }
 
 /// An array of any real numbers as float32 in C order, and how far these are at most from them.
@@ -643,6 +688,8 @@ PYBIND11_MODULE(_core, m) {
   m.def("compress", &compressFrames, "frames"_a, "shape"_a, "path"_a, "target"_a, "value"_a,
         "said"_a, "rounding"_a, "doubles"_a, "holes"_a, "wavelet"_a, "effort"_a, "access"_a,
         "provenance"_a, "max_memory"_a, "listener"_a);
+  m.def("compress_file", &compressFile, "file"_a, "path"_a, "target"_a, "value"_a, "said"_a,
+        "wavelet"_a, "effort"_a, "access"_a, "provenance"_a, "max_memory"_a, "listener"_a);
   m.def("to_float32", &toFloat32, "array"_a);
   m.def(
       "set_threads",

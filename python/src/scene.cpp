@@ -282,6 +282,7 @@ void resampleFile(const std::string& path, const std::string& target, const py::
   ResampleRequest request;
   const auto given = [&](const char* key) { return !said[key].is_none(); };
   request.fields = said["grids"].cast<std::string>();
+  request.partial = said["partial"].cast<bool>();
   request.like = said["like"].cast<std::string>();
   request.rms = said["rms"].cast<double>();
   request.basis = *basisNamed(said["basis"].cast<std::string>());
@@ -300,7 +301,9 @@ void resampleFile(const std::string& path, const std::string& target, const py::
   run(listener, [&](Progress& progress) -> Status {
     Reading reading{progress, maxMemory};
     Team alone;
-    VOLUTE_TRY(resampleVolume(path, target, request, reading, alone));
+    auto done = resampleVolume(path, target, request, reading, alone);
+    if (!done)
+      return tl::unexpected<Error>(renamed(std::move(done.error()), "field", "grids"));
     return {};
   });
 }

@@ -119,7 +119,7 @@ def open(path: Union[Path, bytes, bytearray, memoryview, IO[bytes]], *, grid: Op
 def compress(frames: Union[npt.ArrayLike, Frames, Function, Iterable[npt.ArrayLike]], path: Path, *, quality: Optional[str] = ..., rms: Optional[float] = ..., rms_over: str = ...,
              psnr: Optional[float] = ..., ratio: Optional[float] = ..., size: Optional[float] = ...,
              max_error: Optional[float] = ..., bounds: Optional[npt.ArrayLike] = ..., times: Optional[Sequence[float]] = ...,
-             frame_numbers: Optional[Sequence[int]] = ..., name: Optional[str] = ..., unit: Optional[str] = ...,
+             frame_numbers: Optional[Sequence[float]] = ..., name: Optional[str] = ..., unit: Optional[str] = ...,
              basis: Optional[str] = ..., wavelet: str = ..., effort: int = ..., fast: bool = ..., access: Optional[str] = ..., provenance: str = ...,
              not_finite: str = ..., max_memory: int = ..., progress: Progress = ...) -> Compressed: ...
 def resample(source: Union[Path, Volume], output: Path, *, voxel_size: Union[None, float, Sequence[float]] = ..., bounds: Optional[npt.ArrayLike] = ...,

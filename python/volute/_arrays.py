@@ -148,8 +148,21 @@ def seconds(what, values):
     return values.astype(float)
 
 
-def _frame_numbers(what, values):
-    """Whole numbers of 32 bits, shape (n,)."""
+def _decimals(what, values):
+    """Of numbers of frames, as files' names have them."""
+    values = plain_numbers(np.atleast_1d(unmasked(values, what)))
+    if values.dtype.kind != "f" or not np.isfinite(values).all():
+        return 0
+    places = next((places for places in range(7) if np.allclose(values * 10.0 ** places, np.round(values * 10.0 ** places), 0, 1e-6)), None)
+    if places is None:
+        raise ValueError(f"{what}={values.tolist()}: expected numbers of at most 6 decimals")
+    return places
+
+
+def _frame_numbers(what, values, decimals=0):
+    """Numbers as whole ones of 32 bits, shape (n,): 1.25 of two decimals is 125."""
+    if decimals:
+        values = np.round(np.asarray(values, float) * 10.0 ** decimals)
     values = wholes(what, values)
     if ((values < -1 << 31) | (values >= 1 << 31)).any():
         raise ValueError(f"{what}: {max(values.tolist(), key=abs)} is beyond 32 bits; expected numbers up to {(1 << 31) - 1}")
@@ -278,9 +291,9 @@ def _bounds(array, names):
     return [[round(float(edges[axis][side] + sign * half), digits) for axis, half in zip("xyz", halves)] for side, sign in ((0, -1), (1, 1))]
 
 
-def _times(array, names):
+def _times(array, names, ending):
     """[s] of each frame; None: unknown."""
-    name = names.get("t") or next((name for name in array.coords if str(name).lower() in _AXES["t"]), None)
+    name = names.get("t") or next((name for name in array.coords if str(name).lower() in _AXES["t"] or str(name) == "t" + ending), None)
     coordinate = _coordinate(array, name) if name is not None else None
     if coordinate is None:
         return None
@@ -295,14 +308,50 @@ def _times(array, names):
     return times * float(scale)
 
 
+def _ending(array):
+    """What the names of its dimensions have behind the axes, as volute.xarray gives them: "_velocity" of x_velocity; "" where they have nothing."""
+    endings = {str(dimension)[1:] for dimension in array.dims if str(dimension).lower() not in _AXES["c"]}
+    return endings.pop() if len(endings) == 1 and all(str(dimension)[:1] in _AXES for dimension in array.dims) else ""
+
+
+def _axis_of(array, dimension, ending):
+    """By its name, or by what CF calls the axis of its coordinate; None: unknown."""
+    name = str(dimension)
+    found = next((axis for axis, known in _AXES.items() if name.lower() in known), None)
+    if found is None and ending.startswith("_") and name.endswith(ending):
+        found = name[:-len(ending)]
+    if found is None and dimension in array.coords:
+        stated = str(getattr(array.coords[dimension], "attrs", {}).get("axis", "")).lower()
+        found = stated if stated in ("t", "z", "y", "x") else None
+    return found
+
+
+def _along(array, dimension, name):
+    """The values of a coordinate of this name for each place along a dimension, or for the only one; None: it has none."""
+    coordinate = array.coords[name] if name in array.coords else None
+    return None if coordinate is None or tuple(coordinate.dims) not in ((dimension,), ()) else np.atleast_1d(np.asarray(coordinate.values))
+
+
+def _ascending(numbers):
+    """Numbers of frames; None where they were computed with: a mean over frames has none."""
+    try:
+        whole_ones = _frame_numbers("frame_number", numbers, _decimals("frame_number", numbers)) if numbers is not None else ()
+    except (TypeError, ValueError):
+        return None
+    return numbers if len(whole_ones) and (np.diff(whole_ones) > 0).all() else None
+
+
 def labelled(array, given):
     """(array of axes (t, z, y, x, c), what its labels say) of an xarray.DataArray. `given`: what the caller says in place of labels."""
     names = {}
+    ending = _ending(array)
+    unnamed = [dimension for dimension in array.dims if _axis_of(array, dimension, ending) is None]
     for dimension in array.dims:
-        axis = next((axis for axis, known in _AXES.items() if str(dimension).lower() in known), None)
+        axis = _axis_of(array, dimension, ending)
         if axis is None or axis in names:
+            example = next((f", as array.rename({one}='{str(one)[0].lower()}')" for one in unnamed if str(one)[:1].lower() in _AXES and str(one).isidentifier()), "")
             raise ValueError(f"the array has the dimensions {tuple(array.dims)}; expected z, y, x, with t (or time) and c (or channel) if there "
-                             f"are any: rename them, as array.rename({dimension}='x')")
+                             f"are any: rename them{example}")
         names[axis] = dimension
     missing = [axis for axis in "zyx" if axis not in names]
     if missing:
@@ -318,7 +367,16 @@ def labelled(array, given):
         data = data[np.newaxis]
     said = {"name": getattr(array, "name", None), "unit": getattr(array, "attrs", {}).get("units")}
     said["bounds"] = _bounds(array, names) if given.get("bounds") is None else None
-    said["times"] = _times(array, names) if given.get("times") is None else None
+    said["times"] = _times(array, names, ending) if given.get("times") is None else None
+    said["frame_numbers"] = _ascending(_along(array, names.get("t"), "frame_number" + ending))
+    attributes = getattr(array, "attrs", {})
+    if attributes.get("up") in ("x", "y", "z"):
+        said["up"] = attributes["up"]
+    if "max_error" in attributes and "relative_rms_error" in attributes:  # of a .volute
+        low, high = np.ravel(attributes.get("value_range", (0, np.inf)))
+        most, rms = float(attributes["max_error"]), float(attributes["relative_rms_error"]) * ((high - low) or 1)
+        if np.isfinite(most):
+            said["source_max_error"], said["source_rms"] = most, rms if rms < most else most
     return data, {key: value for key, value in said.items() if value is not None}
 
 
@@ -354,6 +412,8 @@ def _pieces(values):
             if "not iterable" not in str(error):
                 raise
             raise TypeError(f"{values!r}: expected an array of shape (t, z, y, x), or frames") from None
+    elif len(values.shape) not in (3, 4, 5):
+        five_axes(values.shape)  # says what is wrong
     elif len(values.shape) == 3:
         yield _computed(values)
     else:
@@ -490,14 +550,20 @@ def _shown(values, shape, not_finite):
     return shown
 
 
+def check_not_finite(not_finite):
+    if not_finite not in ("refuse", "inactive", "background"):
+        raise ValueError(f"not_finite={not_finite!r}: expected 'refuse', 'inactive' or 'background'")
+
+
 def volume(values, given, folder, lazily=False, not_finite="refuse"):
     """(frames, shape, said, rounding): what _core takes of any volume. `frames`: an array (t, z, y, x, c), or a function that gives
     each frame; `said`: what the volume says of itself, and `given` in place of it; `rounding` of what _core is given. lazily, for
     scenes: a Function is handed on as it is, and masked values are 0. Else they are NaN, and said["masked"] tells so; said["doubles"]
     tells that a function gives doubles."""
-    if not_finite not in ("refuse", "inactive", "background"):
-        raise ValueError(f"not_finite={not_finite!r}: expected 'refuse', 'inactive' or 'background'")
+    check_not_finite(not_finite)
     said, refuses = {}, not_finite == "refuse" and not lazily
+    if isinstance(values, (str, os.PathLike)):
+        raise TypeError(f"{os.fspath(values)!r} is a path, and no array; volute.open() opens .volute files, other libraries other arrays")
     of_itself = getattr(values, "_of_itself", None)  # a Reconstruction
     if of_itself is not None:
         values, said = of_itself()
@@ -506,10 +572,6 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             raise ValueError(f"{values.path}: '{values.name}' is turned, sheared or mirrored, or moves by parts of a voxel, which an array cannot say; "
                              "volute.resample() lays it along the axes, or give bounds")
         said = {key: getattr(values, key) for key in ("bounds", "times", "frame_numbers", "name", "unit", "basis", "up")}
-        if values.frame_numbers.dtype.kind == "f" and given.get("frame_numbers") is None:
-            said["decimals"] = next(places for places in range(7)
-                                    if np.allclose(values.frame_numbers * 10 ** places, np.round(values.frame_numbers * 10 ** places), 0, 1e-6) or places == 6)
-            said["frame_numbers"] = np.round(values.frame_numbers * 10 ** said["decimals"])
         frames, shape, rounding = values.__getitem__, five_axes(values.shape), 0.0
     elif isinstance(values, Function) and lazily:
         said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}
@@ -519,6 +581,8 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             said = {key: getattr(values, key) for key in ("bounds", "times", "name", "unit")}
         if hasattr(values, "data_vars"):
             raise TypeError(f"a Dataset has several arrays; give one of {', '.join(map(repr, values.data_vars))}: dataset[name]")
+        if hasattr(values, "keys") and not hasattr(values, "shape"):
+            raise TypeError(f"a {type(values).__name__} has arrays by name; give one of {', '.join(map(repr, values.keys())) or 'them, of which there are none'}")
         if hasattr(values, "dims") and hasattr(values, "coords"):
             values, said = labelled(values, given)
         if _vtk_values.is_image(values):
@@ -546,18 +610,28 @@ def volume(values, given, folder, lazily=False, not_finite="refuse"):
             frames = _Masked(frames, mask.reshape(shape), refuses)
             said["masked"], said["doubles"] = True, frames.kind is np.float64
     said.update((key, value) for key, value in given.items() if value is not None)
-    for key, convert in (("times", seconds), ("frame_numbers", _frame_numbers)):
+    for key in ("name", "unit"):
+        said.setdefault(key, "")
+    return frames, shape, checked(said, shape[0]), rounding
+
+
+def checked(said, frames):
+    """What is said of a volume of so many frames, as _core takes it."""
+    if "frame_numbers" in said:
+        said["decimals"] = _decimals("frame_numbers", said["frame_numbers"])
+    for key, convert in (("times", seconds), ("frame_numbers", lambda what, values: _frame_numbers(what, values, said["decimals"]))):
         if key not in said:
             continue
         said[key] = convert(key, said[key]).tolist()
-        if len(said[key]) != shape[0]:
-            raise ValueError(f"{key}: {len(said[key])} of them for {shape[0]} frames")
+        if len(said[key]) != frames:
+            raise ValueError(f"{key}: {len(said[key])} of them for {frames} frames")
     for key in ("name", "unit"):
-        said[key] = utf8(key, said.get(key) or "")
+        if key in said:
+            said[key] = utf8(key, said[key] or "")
     said["bounds"] = corners(said.get("bounds"))
     if said.get("basis") not in (None, "box", "trilinear", "cubic"):
         raise ValueError(f"basis={said['basis']!r}: expected 'box', 'trilinear' or 'cubic'")
-    return frames, shape, said, rounding
+    return said
 
 
 def plain(value):

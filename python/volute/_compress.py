@@ -10,9 +10,10 @@ import tempfile
 import numpy as np
 
 from . import _core
-from ._arrays import corners, frame_range, number, utf8, volume, whole
+from ._arrays import check_not_finite, checked, corners, five_axes, frame_range, number, utf8, volume, whole
+from ._errors import InvalidArgument
 from ._progress import Listener
-from ._volume import _bytes, Frames, file_name, open as _open, size_of
+from ._volume import _bytes, Frames, Volume, file_name, open as _open, reads_noted, size_of
 
 _log = logging.getLogger("volute")
 
@@ -48,8 +49,8 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
              not_finite="refuse", max_memory=4 << 30, progress=None):
     """Compresses a sequence of volumes into the .volute file `path`, which appears only when complete.
 
-    frames: an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), c 1 or 3, of any real numbers in any layout; a volute.Volume or
-        volute.fds case; an xarray.DataArray with dimensions t (or time), z, y, x, c (or channel) in any order, whose coordinates are
+    frames: an array of shape (z,y,x), (t,z,y,x) or (t,z,y,x,c), c 1 or 3, of any real numbers in any layout; a volute.Volume, with all
+        that its file says of that grid, whose own error is added to what is stated; a volute.fds case; an xarray.DataArray with dimensions t (or time), z, y, x, c (or channel) in any order, whose coordinates are
         times and the centres of voxels; anything with `shape` and `[i]` (dask, zarr, h5py), or an iterator of frames (z,y,x[,c]):
         these are asked for each frame once, and kept in a file without a name beside `path` meanwhile, 4 bytes a value.
         Values become float32, those far from zero differences from a number in their middle. The rounding of float64 and of large integers counts in the errors; a target that it alone misses is
@@ -63,7 +64,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
         max_error: absolute error of every value at most [unit of the values]
     bounds: ((x0, y0, z0), (x1, y1, z1)), the outer voxel faces [m]; default: cubic voxels, the longest side 1 m
     times: when each frame is shown [s], ascending; default: 25 per second from 0
-    frame_numbers: number of each frame, ascending; default: 0, 1, ..
+    frame_numbers: number of each frame, ascending, with up to 6 decimals; default: 0, 1, ..
     name, unit: of the values ("density", "1/m"). basis: what values mean between centres of voxels: "box" (constant in voxels), "trilinear"
         (interpolated) or "cubic" (the values are coefficients of B-splines of degree 3 there, which do not run through them but are
         smoother; basis="cubic" of a Scene or Sight interpolates values instead).
@@ -103,9 +104,16 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
         raise ValueError(f"effort={effort}: expected 1 to 9")
     if access not in (None, "frame", "film"):
         raise ValueError(f"access={access!r}: expected 'frame' or 'film'")
+    check_not_finite(not_finite)
     given = dict(bounds=bounds, times=times, frame_numbers=frame_numbers, name=name, unit=unit, basis=basis)
-    with Listener(progress) as listener:
+    if hasattr(frames, "_of_itself") and isinstance(frames.values, Volume):  # a Reconstruction
+        frames = frames.values
+    if isinstance(frames, Volume):
+        return _compress_again(frames, path, (target, value), given, (wavelet, effort, access or ""), utf8("provenance", provenance),
+                               size_of("max_memory", max_memory), progress)
+    with Listener(progress) as listener, reads_noted() as read:
         source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".", not_finite=not_finite)
+        _refuse_replacing(path, read)
         if basis == "cubic" and not isinstance(frames, Frames):
             _log.info("%s: the values are kept as coefficients of cubic B-splines, which smooth them", path)
         doubles = isinstance(frames, Frames) and frames.dtype == np.float64 or said.get("doubles", False)
@@ -115,11 +123,33 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     return Compressed(path, **report)
 
 
+def _compress_again(frames, path, target, given, how, provenance, max_memory, progress):
+    """compress() of a Volume."""
+    _refuse_replacing(path, {frames.path})
+    frames._file.info  # says that it is closed
+    five_axes(frames.shape)  # says that it is empty
+    if frames.damage:
+        provenance += "; " * bool(provenance) + frames.damage.replace(frames.path + ": ", "")
+    said = checked({key: value for key, value in given.items() if value is not None}, len(frames))
+    if frames.max_error > 0:
+        _log.info("%s: is compressed itself: '%s' is at most %.3g from what it was made of; the new file states the sums", frames.path, frames.name,
+                  frames.max_error)
+    with Listener(progress) as listener:
+        report = _core.compress_file(frames._file, path, *target, said, *how, provenance, max_memory, listener)
+    return Compressed(path, **report)
+
+
+def _refuse_replacing(path, read):
+    for name in read:
+        if os.path.exists(path) and os.path.exists(name) and os.path.samefile(path, name):
+            raise InvalidArgument(f"{path} is read and would be replaced; give another name")
+
+
 def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=None, frames=None, grids=None, basis="trilinear", rms=1e-3,
              max_memory=4 << 30, progress=None):
     """Writes a volume on other voxels, as `volute resample`: voxels that are turned, sheared, moving or in a frustum come to lie along the axes.
 
-    source: any file of a volume, or a Volume. output: .volute, .npy, or a pattern %04d.vdb or %04d.vti. What is not said is as in the source.
+    source: any file of a volume, or a Volume, which is one grid. output: .volute, .npy, or a pattern %04d.vdb or %04d.vti. What is not said is as in the source.
     voxel_size: [m], a number or (x, y, z). bounds: ((x0, y0, z0), (x1, y1, z1)), outer voxel faces [m]. matrix: three rows of four numbers, from
         the index of a new voxel to the world [m]. like: a volume whose first frame's voxels they are. frames: (first, end), numbers of frames, or range(first, end, step).
     grids: names, of a file with several. basis: of the old voxels. rms: relative, of a .volute."""
@@ -145,7 +175,9 @@ def resample(source, output, *, voxel_size=None, bounds=None, matrix=None, like=
         raise ValueError(f"rms={rms!r}: expected a number above 0, at most 1")
     said = {"voxel_size": voxel_size, "bounds": bounds, "matrix": matrix, "like": "" if like is None else os.fsencode(file_name(like, "like")), "rms": rms,
             "frames": frame_range(frames),
-            "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis}
+            "grids": grids if isinstance(grids, str) else ",".join(grids or ()), "basis": basis, "partial": False}
+    if isinstance(source, Volume):
+        said["grids"], said["partial"] = said["grids"] or source.name, source._options["partial"]
     from ._scene_api import _part
     with Listener(progress) as listener:
         _part().resample(os.fsencode(file_name(getattr(source, "path", source), "source")), os.fsencode(file_name(output, "output")), said, size_of("max_memory", max_memory), listener)

@@ -4,6 +4,7 @@
 import base64
 import bisect
 import collections
+import contextlib
 import html
 import os
 import struct
@@ -378,6 +379,12 @@ class Volume(Frames):
         inactive = ~self._file.active(index)
         return np.ma.MaskedArray(values, np.broadcast_to(inactive[..., np.newaxis] if values.ndim == 4 else inactive, values.shape))
 
+    def _note_read(self):
+        """What this thread writes meanwhile is not to replace it: reads_noted()."""
+        noted = getattr(_thread, "reads", None)
+        if noted is not None:
+            noted.add(self.path)
+
     def _refuse_too_large(self, indices):
         """Before anything is decoded."""
         from ._errors import TooLarge
@@ -391,6 +398,7 @@ class Volume(Frames):
                        f"{most:,}; v[:, {part}] fits, and v.bricks(frame) is as large as what is in a frame")
 
     def _read(self, t, z, y, x):
+        self._note_read()
         self._refuse_too_large((t, z, y, x))
         if len(t) == 1 and all(len(one) == side and (np.diff(one) == 1).all() for one, side in zip((z, y, x), self.shape[1:4])):
             values = self._from_row(int(t[0]))
@@ -411,18 +419,25 @@ class Volume(Frames):
             return self._row[1][place:place + 1].copy()
 
     def _decode_row(self, row):
+        self._note_read()
         frames = np.arange(row * self._block, min((row + 1) * self._block, len(self)))
         return self._file.read(frames, *(np.arange(side) for side in self.shape[1:4]))
 
     def __reduce__(self):
         return _open, (self._memory.data if self._memory else os.path.abspath(self.path), self.name, self._options)
 
+    def _stored(self):
+        """(its bytes in the file as a text, how many times fewer these are than those of float32)."""
+        grids = self._file.grids
+        own = next((one["file_bytes"] for one in grids if one["name"] == self.name and not one["empty"]), 0) if len(grids) > 1 else self.file_bytes
+        return _bytes(own) + (f" of {_bytes(self.file_bytes)}" if len(grids) > 1 else ""), self.nbytes / max(own, 1)
+
     def _says(self):
         if isinstance(self._file, _Closed):
             return f"{super()._says()}; closed"
-        ratio = self.nbytes / self.file_bytes
+        size, ratio = self._stored()
         error = "damaged, errors not known" if self.damage else f"relative RMS error {self.rms:.2g}"
-        return f"{super()._says()}; {_bytes(self.file_bytes)}, 1/{ratio:.3g} of float32, {error}"
+        return f"{super()._says()}; {size}, 1/{ratio:.3g} of float32, {error}"
 
     def _picture(self):
         """The middle frame from the side, its brightest values along y, or along z where that shows more."""
@@ -445,14 +460,30 @@ class Volume(Frames):
             picture = None
         image = f'<img alt="" src="data:image/png;base64,{base64.b64encode(picture).decode()}">' if picture else ""
         low, high = (", ".join(f"{v:.4g}" for v in point) for point in self.bounds)
+        size, ratio = self._stored()
         rows = [("shape", f"{self.shape} ({'t, z, y, x, c' if self.ndim == 5 else 't, z, y, x'})"),
                 ("times", f"{self.times[0]:g} to {self.times[-1]:g} s"), ("bounds", f"({low}) to ({high}) m"),
                 ("values", f"{self.name}{' [' + self.unit + ']' if self.unit else ''}, {self.value_range[0]:.4g} to {self.value_range[1]:.4g}"),
-                ("file", f"{_bytes(self.file_bytes)} for {_bytes(self.nbytes)} of float32 (1/{self.nbytes / self.file_bytes:.3g})"),
+                ("file", "{} for {} of float32 (1/{:.3g})".format(size, _bytes(self.nbytes), ratio)),
                 ("error", "damaged, not known" if self.damage else f"relative RMS {self.rms:.3g}, at most {self.max_error:.3g}")]
         cells = "".join(f"<tr><th style='text-align:left'>{name}</th><td style='text-align:left'>{html.escape(text)}</td></tr>" for name, text in rows)
         return (f"<div><b>{html.escape(os.path.basename(self.path))}</b><div style='display:flex;gap:1em;align-items:center'>{image}"
                 f"<table>{cells}</table></div></div>")
+
+
+_thread = threading.local()
+
+
+@contextlib.contextmanager
+def reads_noted():
+    """A set, to which the names of files are added that volumes are read from in this thread."""
+    before, _thread.reads = getattr(_thread, "reads", None), set()
+    try:
+        yield _thread.reads
+    finally:
+        if before is not None:
+            before |= _thread.reads
+        _thread.reads = before
 
 
 #: of a file's identity: what is known of the damage of each grid, and which of them were told

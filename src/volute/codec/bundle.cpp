@@ -3,8 +3,10 @@
 #include "volute/codec/bundle.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
+#include <string_view>
 
 #include "volute/base/output_file.hpp"
 #include "volute/codec/compress.hpp"
@@ -77,6 +79,29 @@ Status copyTier(const BundlePart& part, std::size_t begin, std::size_t end, Outp
 }
 
 }  // namespace
+
+bool wantsDescription(const GridDescription& grid, bool cropped) {
+  constexpr std::array<std::string_view, 4> kOwn{"volute:time", "volute:up", "volute:unit",
+                                                 "is_saved_as_half_float"};
+  const bool plainType = grid.type == "float" || grid.type == "vec3s";
+  const bool plainClass = grid.gridClass == "fog volume";
+  const bool plainMetadata =
+      std::ranges::all_of(grid.metadata.lists, [&](const MetadataList& list) {
+        return std::ranges::all_of(list, [&](const auto& entry) {
+          return std::ranges::find(kOwn, entry.name) != kOwn.end();
+        });
+      });
+  const bool inAllFrames =
+      std::ranges::none_of(grid.metadata.listOf, [](int list) { return list < 0; });
+  // Where a volume alone is written: from index 0 on, its place in the transform.
+  const bool even =
+      grid.voxelSize[0] == grid.voxelSize[1] && grid.voxelSize[0] == grid.voxelSize[2];
+  const bool plainPlace = !cropped && grid.begin == GridDescription::Index{} &&
+                          grid.shifts.empty() && grid.matrices.empty() &&
+                          grid.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
+  return grid.half || !plainPlace || !plainType || !plainClass || !plainMetadata || !inAllFrames ||
+         grid.background != std::array<double, 3>{};
+}
 
 std::unique_ptr<FrameSource> emptyFrames(const VolumeInfo& frames) {
   return std::make_unique<EmptyFrames>(frames);

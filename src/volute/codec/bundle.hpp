@@ -41,6 +41,12 @@ struct BundledGrid {
                                            KeptStore* kept = nullptr,
                                            FrameSource* frames = nullptr);
 
+/// Whether a file of this grid alone needs to say more of it than its values. Without a description
+/// its first voxel has the index 0, so that its leaves and tiles are others unless they begin
+/// there.
+/// @param cropped  it begins at another voxel than the cache's
+bool wantsDescription(const GridDescription& grid, bool cropped = false);
+
 /// Frames without anything in them.
 std::unique_ptr<FrameSource> emptyFrames(const VolumeInfo& frames);
 

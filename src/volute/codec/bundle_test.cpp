@@ -11,6 +11,7 @@
 #include "volute/codec/codec_testing.hpp"
 #include "volute/codec/grid_table.hpp"
 #include "volute/codec/join.hpp"
+#include "volute/codec/recompress.hpp"
 
 namespace volute {
 namespace {
@@ -102,6 +103,41 @@ TEST(Bundle, EachGridIsWhatItIsAlone) {
   const auto source = frameSource(
       std::make_shared<VoluteReader>(*VoluteReader::open(cache.file.path(), options("velocity"))));
   EXPECT_EQ(source->otherGrids(), (std::vector<std::string>{"temperature", "flame", "density"}));
+}
+
+TEST(Recompress, HandsOnWhatTheFileSaysOfTheGrid) {
+  const Cache cache;
+  const auto open = [](const std::filesystem::path& path, const char* grid) {
+    return std::make_shared<const VoluteReader>(VoluteReader::open(path, options(grid)).value());
+  };
+  const auto old = open(cache.file.path(), "velocity");
+  const ScratchFile file;
+  Progress quiet;
+  CompressOptions how;
+  how.target = {Kind::kMaxError, 1e-2};
+  const auto report = recompress(old, old->info(), file.path(), how, quiet);
+  ASSERT_TRUE(report) << report.error().message;
+  const auto again = open(file.path(), "velocity");
+  EXPECT_EQ(again->grids().size(), 1u);
+  EXPECT_EQ(again->grid().description, staggered(3));
+  EXPECT_EQ(again->fileMetadata(), cache.fileMetadata);
+  EXPECT_EQ(report->fileBytes, std::filesystem::file_size(file.path()));
+  EXPECT_EQ(report->maxError, again->header().reachedMaxError);
+  EXPECT_GE(report->maxError, old->header().reachedMaxError);
+  EXPECT_LE(report->maxError, old->header().reachedMaxError + 1e-2);
+  const auto back = testing::readBack(file.path());
+  ASSERT_TRUE(back);
+  EXPECT_LE(differenceOf(cache.velocity, *back).maxError, report->maxError);
+
+  VolumeInfo moved = old->info();
+  moved.name = "wind";
+  moved.times = {1, 2, 5};
+  moved.bounds = {Vec3(1, 2, 3), Vec3(11, 22, 33)};
+  ASSERT_TRUE(recompress(old, moved, file.path(), how, quiet));
+  const auto placed = open(file.path(), "wind");
+  EXPECT_EQ(placed->info().times, moved.times);
+  EXPECT_LT((placed->info().bounds.max - moved.bounds.max).norm(), 1e-9);
+  EXPECT_EQ(placed->grid().description->background, staggered(3).background);
 }
 
 /// So many bytes that follow from a seed, in parts.

@@ -253,31 +253,10 @@ Result<CompressedGrids> GridFiles::write(std::optional<double> keep) {
   return CompressedGrids{done_, bytes, 0, std::move(frames), keptResults()};
 }
 
-/// Whether a file of this grid alone needs to say more of it than its values. Without a description
-/// its first voxel has the index 0, so that its leaves and tiles are others unless they begin
-/// there.
-/// @param cropped  it begins at another voxel than the cache's
+/// The same, of an empty grid and of one whose name its file would not give back, too.
 bool wantsDescription(const VolumeGrid& grid, bool cropped) {
-  constexpr std::array<std::string_view, 4> kOwn{"volute:time", "volute:up", "volute:unit",
-                                                 "is_saved_as_half_float"};
-  if (!grid.description)
-    return false;
-  const GridDescription& one = *grid.description;
-  const bool plainType = one.type == "float" || one.type == "vec3s";
-  const bool plainClass = one.gridClass == "fog volume";
-  const bool plainMetadata = std::ranges::all_of(one.metadata.lists, [&](const MetadataList& list) {
-    return std::ranges::all_of(
-        list, [&](const auto& entry) { return std::ranges::find(kOwn, entry.name) != kOwn.end(); });
-  });
-  const bool inAllFrames =
-      std::ranges::none_of(one.metadata.listOf, [](int list) { return list < 0; });
-  // Where a volume alone is written: from index 0 on, its place in the transform.
-  const bool even = one.voxelSize[0] == one.voxelSize[1] && one.voxelSize[0] == one.voxelSize[2];
-  const bool plainPlace = !cropped && one.begin == GridDescription::Index{} && one.shifts.empty() &&
-                          one.matrices.empty() &&
-                          one.map == (even ? "UniformScaleTranslateMap" : "ScaleTranslateMap");
-  return grid.empty || grid.name.starts_with('[') || one.half || !plainPlace || !plainType ||
-         !plainClass || !plainMetadata || !inAllFrames || one.background != std::array<double, 3>{};
+  return grid.description &&
+         (grid.empty || grid.name.starts_with('[') || wantsDescription(*grid.description, cropped));
 }
 
 /// Whether it is read with an offset: floats come back as such where a description says that they

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "volute/codec/kept_grids.hpp"
+#include "volute/codec/recompress.hpp"
 #include "volute/grid/bricks.hpp"
 #include "volute/grid/select_frames.hpp"
 #include "volute/grid/wrapped_source.hpp"
@@ -223,9 +224,9 @@ Status alongAxesOnly(const VolumeInput& input, const std::string& path, std::str
 }
 
 OwnError ownErrorOf(const VoluteReader& reader) {
-  const VoluteHeader& header = reader.header();
-  const double range = header.valueMax - header.valueMin;
-  return {header.reachedRms * (range > 0 ? range : 1), header.reachedMaxError};
+  CompressOptions options;
+  addOwnError(reader, options);
+  return {options.sourceRms, options.sourceMaxError};
 }
 
 void remarkOnOwnError(const std::string& path, const VoluteReader& reader, Reading& reading) {
