@@ -133,6 +133,31 @@ class Package(unittest.TestCase):
         with self.assertRaisesRegex(volute.InvalidData, "empty"):
             v.grid("fuel")
 
+    def test_a_grid_of_a_cache_is_taken_alone(self):
+        cache = pathlib.Path(__file__).parents[2] / "tests" / "data" / "cache.volute"
+        for name in ("density", "velocity", "temperature"):
+            v = volute.open(cache, grid=name)
+            again = volute.compress(v, self.path / "grid.volute", max_error=1e-3, provenance="cache.volute").open()
+            subprocess.run([COMMAND, "compress", cache, "--field", name, "-o", self.path / "cli.volute", "--max-error", "1e-3", "--quiet"], check=True,
+                           capture_output=True)
+            self.assertEqual((self.path / "grid.volute").read_bytes(), (self.path / "cli.volute").read_bytes(), name)
+            self.assertEqual([again.grids[name][key] for key in ("half", "grid_class")], [v.grids[name][key] for key in ("half", "grid_class")])
+            np.testing.assert_array_equal(again.bricks(1).background, v.bricks(1).background)
+            self.assertGreaterEqual(again.max_error, v.max_error)
+        volute.resample(volute.open(cache, grid="temperature"), self.path / "grid.volute", voxel_size=0.5)
+        self.assertEqual(list(volute.open(self.path / "grid.volute").grids), ["temperature"])
+        volute.resample(volute.open(cache, grid="temperature"), self.path / "grid.npy", voxel_size=0.5)
+        with self.assertRaisesRegex(volute.InvalidArgument, "choose one with grids") as raised:
+            volute.resample(cache, self.path / "grid.npy", voxel_size=0.5, grids="density,temperature")
+        self.assertIn("grids", raised.exception.hint)
+        with self.assertRaisesRegex(volute.InvalidArgument, "unknown format"):
+            volute.resample(cache, self.path / "grid.xyz", voxel_size=0.5)
+        v = volute.open(cache, grid="temperature")
+        self.assertRegex(repr(v), r"; [\d.]+ (bytes|KB) of [\d.]+ (bytes|KB), 1/")
+        cut = self.path / "cut.volute"
+        cut.write_bytes(pathlib.Path(self.file).read_bytes()[:-2000])
+        volute.resample(volute.open(cut, partial=True), self.path / "coarse.volute", voxel_size=0.3)
+
     def test_turned_voxels_say_where_they_are(self):
         """A grid that is mirrored and turned: its box is that of the command, each voxel is where its matrix says, and no array pretends otherwise."""
         folder = self.path
@@ -148,8 +173,10 @@ class Package(unittest.TestCase):
         np.testing.assert_allclose(v.matrices[0] @ [x, y, z, 1], (3.5, 2.5, 1.5), atol=1)
         said = json.loads(subprocess.run([sys.executable, "-m", "volute", "info", folder / "turned.volute", "--json"], capture_output=True, check=True).stdout)
         np.testing.assert_allclose(np.ravel(v.bounds), np.ravel(said["bounds"]))
-        with self.assertRaisesRegex(ValueError, "turned.*volute.resample"):
-            volute.compress(v, folder / "wrong.volute")
+        again = volute.compress(v, folder / "again.volute").open()
+        np.testing.assert_array_equal(again.matrices, v.matrices)
+        np.testing.assert_allclose(np.asarray(again), np.asarray(v), atol=1e-2)
+        self.assertIsNone(volute.compress(v, folder / "along.volute", bounds=((0, 0, 0), (1, 1, 1))).open().matrices)
         self.assertIsNone(volute.open(folder / "plain.volute").matrices)
 
     def test_files_without_values(self):
@@ -1361,7 +1388,31 @@ print("done", flush=True)
         self.assertEqual(data["soot"][1:3, [2, 5], 4, [1, 2]].shape, (2, 2, 2))
         again = volute.compress(data["soot"], self.path / "again.volute", max_error=1e-3).open()
         self.assertEqual((again.bounds, again.unit, list(again.times)), (((0, 0, 0), (10, 11, 12)), "1/m", list(volute.open(self.path / "x.volute").times)))
+        self.assertGreater(again.max_error, volute.open(self.path / "x.volute").max_error)
         data.close()
+        cache = pathlib.Path(__file__).parents[2] / "tests" / "data" / "cache.volute"
+        data = xarray.open_dataset(cache, engine=volute.xarray.Backend)
+        for name in ("temperature", "velocity"):
+            v = volute.open(cache, grid=name)
+            again = volute.compress(data[name], self.path / "again.volute", max_error=1e-3).open()
+            self.assertEqual((again.shape, again.up, again.frame_numbers.tolist()), (v.shape, v.up, v.frame_numbers.tolist()))
+            np.testing.assert_allclose(again.bounds, v.bounds)
+            np.testing.assert_array_equal(again.times, v.times)
+        dimension = data["velocity"].dims[0]
+        part = volute.compress(data["velocity"].isel({dimension: [0, 2]}), self.path / "again.volute", max_error=1e-3).open()
+        self.assertEqual(part.frame_numbers.tolist(), v.frame_numbers[[0, 2]].tolist())
+        with self.assertRaisesRegex(volute.InvalidArgument, "would be replaced"):
+            shutil.copy(cache, self.path / "lazy.volute")
+            volute.compress(xarray.open_dataset(self.path / "lazy.volute", engine=volute.xarray.Backend)["density"], self.path / "lazy.volute")
+        data.close()
+        given = xarray.DataArray(array[:2], dims=("time", "level", "lat", "lon"))
+        with self.assertRaisesRegex(ValueError, "rename them$"):
+            volute.compress(given, self.path / "again.volute")
+        with self.assertRaisesRegex(ValueError, r"array.rename\(y_m='y'\)"):
+            volute.compress(given.rename(lat="y_m"), self.path / "again.volute")
+        stated = given.assign_coords({name: (name, np.arange(n) + 0.5, {"axis": axis}) for name, n, axis in
+                                      (("level", 12, "Z"), ("lat", 11, "Y"), ("lon", 10, "X"))})
+        self.assertEqual(volute.compress(stated, self.path / "again.volute").open().bounds, ((0, 0, 0), (10, 11, 12)))
 
     def test_numcodecs(self):
         try:
@@ -1768,9 +1819,9 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
             self.assertEqual(volute.render(array, time, bounds=bounds, extinction=1.0, size=(4, 3)).shape, (3, 4, 3))
         self.assertEqual(volute.compress(array, file, times=np.array([0, 1, 2.5], object)).open().times.tolist(), [0, 1, 2.5])
 
-    def test_frame_numbers_are_whole(self):
+    def test_frame_numbers(self):
         array = np.ones((2, 4, 4, 4))
-        for numbers, error in (([1.7, 2.2], TypeError), ([False, True], TypeError), (["1", "2"], TypeError), ([1, 2 ** 33], ValueError)):
+        for numbers, error in (([1 / 3, 2 / 3], ValueError), ([1, np.nan], TypeError), ([False, True], TypeError), (["1", "2"], TypeError), ([1, 2 ** 33], ValueError)):
             with self.assertRaises(error):
                 volute.compress(array, self.path / "numbers.volute", frame_numbers=numbers)
         names = [self.path / f"part_{number}.npy" for number in ("1.25", "1.50")]
@@ -1781,8 +1832,69 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         np.testing.assert_array_equal(volute.open(self.path / "parts.volute").frame_numbers, [1.25, 1.5])
         again = volute.compress(volute.open(self.path / "parts.volute"), self.path / "again.volute").open()
         np.testing.assert_array_equal(again.frame_numbers, [1.25, 1.5])
+        for numbers in ([1.7, 2.2], again.frame_numbers):
+            given = volute.compress(array, self.path / "numbers.volute", frame_numbers=numbers).open()
+            np.testing.assert_array_equal(given.frame_numbers, numbers)
         for numbers in ([3.0, 7.0], np.array([3, 7], object), np.array([3, 7], np.uint64)):
             self.assertEqual(volute.compress(array, self.path / "numbers.volute", frame_numbers=numbers).open().frame_numbers.tolist(), [3, 7])
+
+    def test_what_is_read_is_not_replaced(self):
+        file, link = str(self.path / "kept.volute"), str(self.path / "kept_link.volute")
+        shutil.copy(self.file, file)
+        os.symlink("kept.volute", link)
+        np.save(self.path / "kept.npy", self.values)
+        before = {name: pathlib.Path(name).read_bytes() for name in (file, self.path / "kept.npy")}
+        v = volute.open(link)
+        calls = [lambda: volute.resample(file, file, voxel_size=0.3), lambda: volute.resample(v, file, voxel_size=0.3),
+                 lambda: volute.resample(self.path / "kept.npy", self.path / "kept.npy", voxel_size=0.3),
+                 lambda: volute.resample(self.path / "kept.npy", file, like=link), lambda: volute.compress(v, file), lambda: volute.compress(v, link),
+                 lambda: volute.compress((2 * frame for frame in v), file),
+                 lambda: volute.compress(volute.Function(lambda x, y, z, t: x + v[3, 1, 1, 1], (4, 4, 4), bounds=((0, 0, 0), (1, 1, 1))), file)]
+        for call in calls:
+            with self.assertRaisesRegex(volute.InvalidArgument, "is read and would be replaced; give another name"):
+                call()
+        self.assertEqual({name: pathlib.Path(name).read_bytes() for name in before}, before)
+        volute.compress(2 * v[...], file)  # that was read before
+
+    def test_a_volume_is_compressed_with_all_that_its_file_says(self):
+        array = np.ma.masked_less(self.values, 0.05)
+        volute.compress(array, self.path / "first.volute", max_error=1e-2, bounds=((0, 0, 0), (1.8, 2, 2.4)))
+        first = volute.open(self.path / "first.volute")
+        with self.assertLogs("volute", "INFO") as log:
+            report = volute.compress(first, self.path / "second.volute", max_error=1e-3, provenance="first.volute")
+        self.assertIn("is compressed itself", log.output[0])
+        second = report.open()
+        np.testing.assert_array_equal(second.masked(2).mask, array[2].mask)
+        self.assertEqual(report.max_error, second.max_error)
+        self.assertLessEqual(first.max_error, second.max_error)
+        self.assertLessEqual(second.max_error, first.max_error + 1e-3)
+        self.assertLessEqual(np.abs(np.asarray(second) - array.filled(0)).max(), second.max_error)
+        subprocess.run([COMMAND, "compress", first.path, "-o", self.path / "cli.volute", "--max-error", "1e-3", "--quiet"], check=True,
+                       capture_output=True)
+        self.assertEqual((self.path / "second.volute").read_bytes(), (self.path / "cli.volute").read_bytes())
+        said = {"name": "soot", "unit": "1/m", "times": np.arange(20) * 2.0, "frame_numbers": np.arange(20) + 0.5, "basis": "box",
+                "bounds": ((1, 1, 1), (2, 2, 2))}
+        third = volute.compress(first, self.path / "third.volute", max_error=1e-3, **said).open()
+        for key, value in said.items():
+            np.testing.assert_array_equal(getattr(third, key), value)
+        np.testing.assert_array_equal(third.masked(2).mask, array[2].mask)
+        for wrong in ({"times": [1]}, {"times": np.arange(20)[::-1]}, {"not_finite": "no"}):
+            with self.assertRaises(ValueError):
+                volute.compress(first, self.path / "no.volute", **wrong)
+
+    def test_what_is_no_array(self):
+        for name in ("file", "case"):
+            for call in (volute.Scene, volute.Sight, volute.picture):
+                with self.assertRaisesRegex(TypeError, f"{name}=.*: what is shown is the first argument"):
+                    call(self.values, bounds=((0, 0, 0), (1, 1, 1)), **{name: "x.npy"})
+        for path in ("ember", self.path):
+            with self.assertRaisesRegex(TypeError, "is a path, and no array"):
+                volute.compress(path, self.path / "no.volute")
+        with self.assertRaisesRegex(TypeError, "has arrays by name; give one of 'a', 'b'"):
+            volute.compress({"a": self.values, "b": self.values}, self.path / "no.volute")
+        scalar = type("Scalar", (), {"shape": (), "__getitem__": lambda self, key: 1.0})()
+        with self.assertRaisesRegex(ValueError, r"has shape \(\)"):
+            volute.compress(scalar, self.path / "no.volute")
 
     def test_bounds_are_two_corners(self):
         array = np.ones((3, 4, 5))

@@ -164,6 +164,9 @@ def _maker_of(volumes, source, folder, members):
         if members:
             raise TypeError(f"{', '.join(members)}: members are for a single file; write them into the scene")
         return "make", (_text(volumes.scene(source)), os.path.join(os.fspath(folder), "scene.json"))
+    for key in ("file", "case"):
+        if key in members:
+            raise TypeError(f"{key}={members[key]!r}: what is shown is the first argument; leave it out")
     file, members = volumes.source(source, members)
     return "open", (file, _text(members))
 

@@ -7,9 +7,9 @@
     data["density"].sel(t=0.4, method="nearest").mean("z")           # decodes only the blocks needed
 
 Each grid of a file is a variable with the dimensions t, z, y, x, and c with three channels; those of a grid that lies elsewhere have
-its name (x_velocity). Coordinates are times [s] and the centres of voxels [m]; voxels that do not lie along the axes have none, but the
-attribute matrices: of each frame three rows of four numbers, from (x, y, z), counted in voxels, to the world. Other attributes are the unit
-and the errors that the file states. volute.compress(data["density"], ..) writes such arrays."""
+its name (x_velocity). Coordinates are times [s], frame_number, and the centres of voxels [m]; voxels that do not lie along the axes have none, but the
+attribute matrices: of each frame three rows of four numbers, from (x, y, z), counted in voxels, to the world. Other attributes are the unit,
+the axis that points upwards, and the errors that the file states. volute.compress(data["density"], ..) writes such arrays."""
 import os
 
 import numpy as np
@@ -57,14 +57,17 @@ class Backend(BackendEntrypoint):
         for name, opened in grids.items():
             ending = "" if _place(opened) == _place(first) else "_" + name
             dimensions = tuple(axis + ending for axis in "tzyx") + ("c",) * (opened.ndim == 5)
-            attributes = {"max_error": opened.max_error, "relative_rms_error": opened.rms, "basis": opened.basis}
+            attributes = {"max_error": opened.max_error, "relative_rms_error": opened.rms, "value_range": opened.value_range, "basis": opened.basis}
             if opened.unit:
                 attributes["units"] = opened.unit
+            if opened.up:
+                attributes["up"] = opened.up
             if opened.matrices is not None:
                 attributes["matrices"] = opened.matrices.ravel()
             variables[name] = Variable(dimensions, indexing.LazilyIndexedArray(_Lazy(opened)), attributes,
                                        {"preferred_chunks": dict(zip(dimensions, opened.chunks))})
             coordinates["t" + ending] = Variable("t" + ending, np.asarray(opened.times), {"units": "s", "axis": "T"})
+            coordinates["frame_number" + ending] = Variable("t" + ending, np.asarray(opened.frame_numbers))
             for axis, letter in enumerate("xyz" if opened.matrices is None else ""):
                 coordinates[letter + ending] = Variable(letter + ending, _centres(opened, axis), {"units": "m", "axis": letter.upper()})
         dataset = Dataset(variables, coordinates, {"provenance": first.provenance})
