@@ -286,6 +286,17 @@ class Tenability(Cases):
                              "-o", self.path("x"))
         self.assertIn("1 m of 500060.25, 5700000 m; the plan reaches from 500000, 5700000 to 500020, 5700004 m", message)
 
+    def test_with_the_fires_own_place_nothing_is_later(self):
+        """Smoke is there later than elsewhere, or before."""
+        criteria = self.criteria({"kind": "extinction", "limit": 0.3, "source": "here"})
+        for name, growth, told in (("later", (0.01, 0.005), False), ("before", (0.01, 0.02), True)):
+            case = self.case(name, smoke=lambda t, x, *_, growth=growth: t * growth[x > 14])
+            self.works("visibility", case, "--signs", self.signs(), "--criteria", criteria, "--height", 1.5, "--step", 1, "--fire-at",
+                       "17,2,3.5", "-o", self.path("out"))
+            sentence = self.report("out")["verdict"][0]["sentence"]
+            self.assertIn("This leaves out", sentence)
+            self.assertEqual("With them it is" in sentence, told, sentence)
+
     def test_a_dose_has_the_ends_of_a_way(self):
         case, signs, criteria = self.case(), self.signs(), self.criteria(self.FED)
         self.path("walk.csv").write_text("id,time,x,y\n4,0,1,1\n4,60,19,1\n7,30.1,5,1\n7,33.3,6,1\n9,40.1,5,1\n9,40.2,6,1\n")

@@ -479,9 +479,13 @@ Json PlanTenability::headline(const std::vector<std::string>& names) const {
                     use_.fireFound ? "taken for the fire's own place, which the case does not state"
                                    : "the fire's own place",
                     use_.firesFrom);
-    if (own.any)
+    const auto timeOf = [&](const FirstLoss& loss) {
+      return loss.certain() ? loss.by(survey_->round) : loss.up;
+    };
+    if (own.any && !(first.any && timeOf(own) > timeOf(first))) {
       text += fmt::format(" With them it is {}{} s.", own.certain() ? "" : "at the latest ",
-                          plainNumber(own.certain() ? own.by(survey_->round) : own.up, 4));
+                          plainNumber(timeOf(own), 4));
+    }
   }
   const FirstLoss late = firstLoss(latest_, survey_->round, people_);
   text += latestWords(first, late, "reached");
