@@ -519,14 +519,6 @@ py::dict dictOf(const CompressReport& report) {
                   "seconds"_a = report.seconds);
 }
 
-/// What a caller states is an argument.
-void checkStated(const VolumeInfo& info, const std::filesystem::path& path) {
-  Status valid = info.validate(path.string());
-  if (!valid && valid.error().code == ErrorCode::kInvalidData)
-    valid.error().code = ErrorCode::kInvalidArgument;
-  take(std::move(valid));
-}
-
 /// @param frames  an array of shape (t, z, y, x, c), or a function as PythonFrames has it
 /// @param said  of the volume, as infoOf() takes it, and "source_rms" and "source_max_error" of
 /// what is compressed itself
@@ -546,7 +538,7 @@ py::dict compressFrames(const py::object& frames, const Shape& shape,
     options.sourceMaxError = said["source_max_error"].cast<double>();
   }
   VolumeInfo info = infoOf(shape, said);
-  checkStated(info, path);
+  take(info.validate(path.string()));
   PythonProgress progress(listener);
   std::unique_ptr<FrameSource> source;
   if (py::isinstance<py::array>(frames))
@@ -574,7 +566,7 @@ py::dict compressFile(const File& file, const std::filesystem::path& path,
       optionsOf(target, value, wavelet, effort, access, provenance, maxMemory);
   VolumeInfo info = file.reader().info();
   restate(info, said);
-  checkStated(info, path);
+  take(info.validate(path.string()));
   const std::shared_ptr<const VoluteReader> reader(std::shared_ptr<void>(), &file.reader());
   return dictOf(run(listener, [&](Progress& progress) {
     return recompress(reader, info, path, options, progress);
