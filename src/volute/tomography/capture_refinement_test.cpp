@@ -136,7 +136,7 @@ TEST_F(CaptureRefinementTest, AHalfExposureInOneFrameIsTakenThereAlone) {
     EXPECT_TRUE(result.mended);
     EXPECT_TRUE(result.pictureFaults.empty());
     ASSERT_EQ(result.faults.size(), 1U) << odd;
-    EXPECT_THAT(result.faults[0], testing::MatchesRegex(fmt::format(
+    EXPECT_THAT(result.faults[0], ::testing::MatchesRegex(fmt::format(
                                       "camera c2: not as bright in all frames: its radiance times "
                                       "(2|2.0[0-9]|1.9[0-9]) in frame {} and .*",
                                       odd)));
@@ -165,7 +165,7 @@ TEST_F(CaptureRefinementTest, APictureThatIsMirroredInOneFrameIsLeftOutThere) {
   const CaptureRefinement result = refined();
   ASSERT_EQ(result.pictureFaults.size(), 1U);
   EXPECT_THAT(result.pictureFaults[0],
-              testing::MatchesRegex("camera c2, frame 2 alone: mirrored .* left out there .*"));
+              ::testing::MatchesRegex("camera c2, frame 2 alone: mirrored .* left out there .*"));
   EXPECT_EQ(result.capture.cameras[2].pictures.leftOut, std::vector<int>{2});
   Progress progress;
   auto reader = ViewReader::open(result.capture, {}, std::uint64_t{1} << 30, progress);
@@ -186,7 +186,7 @@ TEST_F(CaptureRefinementTest, AGainThatDriftsIsFoundInEachFrame) {
   }
   const CaptureRefinement result = refined();
   ASSERT_EQ(result.faults.size(), 1U);
-  EXPECT_THAT(result.faults[0], testing::HasSubstr("camera c2: not as bright in all frames"));
+  EXPECT_THAT(result.faults[0], ::testing::HasSubstr("camera c2: not as bright in all frames"));
   ASSERT_TRUE(result.capture.cameras[2].pictures.gainByFrame);
   Progress progress;
   auto reader = ViewReader::open(result.capture, {}, std::uint64_t{1} << 30, progress);
