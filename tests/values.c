@@ -183,7 +183,7 @@ int main(int argc, char** argv) {
   CHECK(volute_lines_solve(&lines, &info, values, kSide * kSide * kSide) == VOLUTE_INVALID_ARGUMENT);
 
   /* Advice has the words of C. */
-  const volute_resampling resampling = {.size = sizeof resampling};
+  const volute_resampling resampling = {.size = sizeof resampling, .voxel_size = {0.5, 0.5, 0.5}};
   CHECK(argc == 2 && volute_resample(argv[1], "grids.npy", &resampling) == VOLUTE_INVALID_ARGUMENT);
   CHECK(strstr(volute_error(), "choose one with grids") && !exists("grids.npy"));
   CHECK(volute_resample(argv[1], "grids.xyz", &resampling) == VOLUTE_INVALID_ARGUMENT);

@@ -259,6 +259,9 @@ TEST_F(UnsavedControls, AnotherFileOpensAfterTheQuestion) {
   EXPECT_THAT(app().document().error(), ::testing::HasSubstr("nowhere"));
   ASSERT_TRUE(script_->write("leave map", folder_.path("kept.exr")));  // with Enter: it saves
   load();
+  ASSERT_TRUE(app().leaving().asked()) << "the scene's file names the map before";
+  EXPECT_EQ(app().leaving().asked()->what, LeaveQuestion::What::kScene);
+  press("leave discard");
   load();
   EXPECT_FALSE(app().leaving().asked());
   EXPECT_THAT(title(), ::testing::HasSubstr("smoke.json"));
