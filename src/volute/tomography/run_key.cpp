@@ -42,6 +42,8 @@ std::string describe(const CaptureCamera& known) {
                   pictures.exponent, known.reprojectionError, pictures.bits, pictures.black);
   if (pictures.bottomUp)
     text += "bottom up\n";
+  if (pictures.gainByFrame)
+    text += "a gain by frame\n";
   // A table's name does not tell its values.
   for (int i = 0; pictures.response && i <= 64; ++i)
     text += fmt::format("{} ", pictures.response->linear(i / 64.0));
@@ -94,6 +96,9 @@ std::vector<std::string> frameKeys(const Capture& capture, const ReconstructionS
       own += stateOf(camera.pictures.fileOf(place.number));
       if (place.share > 0)
         own += stateOf(camera.pictures.fileOf(place.number + 1));
+      const auto& leftOut = camera.pictures.leftOut;
+      if (std::ranges::find(leftOut, frame) != leftOut.end())
+        own += "left out\n";
       if (camera.pictures.pages > 1)  // all of one file
         own += fmt::format("page {:.6f}\n", place.number + place.share);
     }

@@ -147,6 +147,25 @@ TEST(FrameKeys, GoByTheEmptyFrames) {
   EXPECT_NE(frameKeys(capture, {}, {}), before);
 }
 
+TEST(FrameKeys, GoByPicturesThatAreLeftOutAndGainsByFrame) {
+  Capture capture;
+  PictureSource film;
+  film.video = "a.mp4";
+  const Camera camera = Camera::pinhole({Vec3(1, -6, 2), Vec3(0, 0, 1)}, 30, 64, 48);
+  capture.cameras = {{"a", camera, film}};
+  capture.frames = {0, 8};  // each the first of a chain
+  const auto before = frameKeys(capture, {}, {});
+  capture.cameras[0].pictures.leftOut = {8};
+  const auto leftOut = frameKeys(capture, {}, {});
+  EXPECT_EQ(leftOut[0], before[0]);
+  EXPECT_NE(leftOut[1], before[1]);
+  capture.cameras[0].pictures = film;
+  capture.cameras[0].pictures.gainByFrame = true;
+  const auto byFrame = frameKeys(capture, {}, {});
+  EXPECT_NE(byFrame[0], before[0]);
+  EXPECT_NE(byFrame[1], before[1]);
+}
+
 TEST(WorkFolder, Digests) {
   EXPECT_EQ(digestOf(""), "cbf29ce484222325");
   EXPECT_EQ(digestOf("a"), "af63dc4c8601ec8c");  // from the authors of FNV
