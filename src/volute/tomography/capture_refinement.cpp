@@ -249,7 +249,7 @@ class Refiner {
 
   /// Whether the gain of a camera is another one in other frames.
   Status compareGains(CaptureFault& fault) const {
-    constexpr double kSteady = 1.2;
+    constexpr double kSteady = 1.08;
     const std::size_t camera = fault.cameras[0];
     std::vector<double> gains;
     for (const auto& views : frames_) {

@@ -657,7 +657,7 @@ nlohmann::ordered_json ReconstructedFrames::measured(const FrameViews& views,
     if (views.opticalDepth)
       cameras.back()["opaque_share"] = views.facts[i].opaqueShare;
     if (views.facts[i].gain != 1)
-      cameras.back()["gain"] = views.facts[i].gain;
+      cameras.back()["gain_by_frame"] = views.facts[i].gain;
     if (const auto& drift = views.facts[i].drift)
       cameras.back()["background_drift"] = {{"gain", drift->gain}, {"offset", drift->offset}};
   }
