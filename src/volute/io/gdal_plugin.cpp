@@ -965,11 +965,13 @@ extern "C" const volute::ArrayPlugin* voluteArrayPlugin() {
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 1);
   CPLSetErrorHandler(CPLQuietErrorHandler);
   GDALAllRegister();
-#if VOLUTE_HAS_HDF5
-  loadHdf5Filters();
-#endif
   static constexpr ArrayPlugin kPlugin{
-      []() -> std::unique_ptr<ArrayReader> { return std::make_unique<GdalReader>(); },
+      []() -> std::unique_ptr<ArrayReader> {
+#if VOLUTE_HAS_HDF5
+        loadHdf5Filters();
+#endif
+        return std::make_unique<GdalReader>();
+      },
       []() -> std::unique_ptr<ArrayWriter> { return std::make_unique<GdalWriter>(); }};
   return &kPlugin;
 }

@@ -199,6 +199,18 @@ TEST_F(CaptureRefinementTest, AGainThatDriftsIsFoundInEachFrame) {
   }
 }
 
+TEST_F(CaptureRefinementTest, GainsByFrameNeedOtherCameras) {
+  Progress progress;
+  const auto open = [&] {
+    return ViewReader::open(capture, {"c0"}, std::uint64_t{1} << 30, progress);
+  };
+  for (std::size_t v = 3; v < kCameras; ++v) capture.cameras[v].pictures.gainByFrame = true;
+  EXPECT_TRUE(open());
+  capture.cameras[2].pictures.gainByFrame = true;  // c1 is left, and c0, which is held out
+  ASSERT_FALSE(open());
+  EXPECT_THAT(open().error().message, ::testing::HasSubstr("of the fitted cameras 1 have none"));
+}
+
 TEST_F(CaptureRefinementTest, AHalfExposureBesidePosesThatAreOffIsRefinedWithThem) {
   capture.frames = {1};
   const double clean = refined(Refine::kAlways).after;

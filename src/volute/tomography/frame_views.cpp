@@ -29,6 +29,30 @@ Colours coloursOf(const TomographyView& view) {
   return grey < kFewest ? Colours::kUnknown : Colours::kNone;
 }
 
+constexpr std::size_t kFewestSteady = 2;  // cameras that tell the gains of others
+
+Status checkGainsByFrame(const Capture& capture, const std::vector<char>& heldOut) {
+  std::size_t steady = 0;
+  std::string first;
+  for (std::size_t v = 0; v < capture.cameras.size(); ++v) {
+    const CaptureCamera& known = capture.cameras[v];
+    if (known.pictures.gainByFrame && first.empty())
+      first = known.name;
+    steady += !known.pictures.gainByFrame && heldOut[v] == 0 ? 1 : 0;
+  }
+  if (first.empty())
+    return {};
+  if (capture.measured == Measured::kAbsorption)
+    return fail(ErrorCode::kInvalidArgument,
+                "camera {}: \"gain_by_frame\" is for emission, and absorption is measured", first);
+  if (steady < kFewestSteady)
+    return fail(ErrorCode::kInvalidArgument,
+                "camera {}: \"gain_by_frame\": of the fitted cameras {} have none, which tell its "
+                "gain; expected {} or more",
+                first, steady, kFewestSteady);
+  return {};
+}
+
 }  // namespace
 
 std::vector<TomographyView> FrameViews::fittedWithout(std::size_t view) const {
@@ -58,6 +82,7 @@ Result<ViewReader> ViewReader::open(const Capture& capture, const std::vector<st
     }
     marks[*camera] = 1;
   }
+  VOLUTE_TRY(checkGainsByFrame(capture, marks));
   VOLUTE_ASSIGN(auto images, CaptureImages::open(capture, maxMemory, progress));
   return ViewReader(capture, std::move(images), std::move(marks));
 }
@@ -85,13 +110,14 @@ Result<FrameViews> ViewReader::read(int frame) {
   std::optional<Error> first;
   for (std::size_t camera = 0; camera < capture_->cameras.size(); ++camera) {
     const CaptureCamera& known = capture_->cameras[camera];
-    auto picture = images_.read(camera, frame);
-    PictureFacts facts;
     const auto& leftOut = known.pictures.leftOut;
-    if (std::ranges::find(leftOut, frame) != leftOut.end())
-      picture = fail(ErrorCode::kNotFound, "{}: frame {} is left out", known.name, frame);
+    const bool isLeftOut = std::ranges::find(leftOut, frame) != leftOut.end();
+    auto picture = isLeftOut
+                       ? fail(ErrorCode::kNotFound, "{}: frame {} is left out", known.name, frame)
+                       : images_.read(camera, frame);
+    PictureFacts facts;
     const bool mayBeMissing =
-        known.pictures.frameShift != 0 || known.pictures.video.empty() || !leftOut.empty();
+        known.pictures.frameShift != 0 || known.pictures.video.empty() || isLeftOut;
     if (!picture && picture.error().code == ErrorCode::kNotFound && mayBeMissing) {
       // The others tell what they saw; this one has seen nothing, not even darkness.
       if (!first)
@@ -148,7 +174,6 @@ Result<FrameViews> ViewReader::read(int frame) {
 }
 
 Status ViewReader::findGains(FrameViews& frame) const {
-  constexpr std::size_t kFewest = 2;
   const auto isByFrame = [&](std::size_t v) {
     return capture_->cameras[v].pictures.gainByFrame && !frame.opticalDepth &&
            !frame.facts[v].missing;
@@ -159,7 +184,7 @@ Status ViewReader::findGains(FrameViews& frame) const {
       others.push_back(frame.views[v]);
   }
   for (std::size_t v = 0; v < frame.views.size(); ++v) {
-    if (!isByFrame(v) || others.size() < kFewest)
+    if (!isByFrame(v) || others.size() < kFewestSteady)
       continue;
     const VolumeGeometry geometry{capture_->volume.bounds, capture_->volume.resolution};
     VOLUTE_ASSIGN(const double gain, gainByOthers(frame.views[v], others, geometry, Progress()));
