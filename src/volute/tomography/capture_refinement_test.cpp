@@ -13,6 +13,7 @@
 #include "volute/io/image_file.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/tomography/frame_views.hpp"
+#include "volute/tomography/picture_check.hpp"
 #include "volute/tomography/testing.hpp"
 
 namespace volute {
@@ -206,6 +207,15 @@ TEST_F(CaptureRefinementTest, GainsByFrameNeedOtherCameras) {
   };
   for (std::size_t v = 3; v < kCameras; ++v) capture.cameras[v].pictures.gainByFrame = true;
   EXPECT_TRUE(open());
+  capture.cameras[1].pictures.leftOut = {1};
+  auto reader = open();
+  const auto untold = reader->read(1), told = reader->read(2);
+  ASSERT_TRUE(untold && told);
+  EXPECT_TRUE(untold->facts[3].gainUntold);
+  EXPECT_FALSE(told->facts[3].gainUntold);
+  EXPECT_THAT(
+      checkPictures(*untold, {capture.volume.bounds, capture.volume.resolution}, 0, {}).warnings,
+      ::testing::Contains(::testing::HasSubstr("its gain is taken as 1 here")));
   capture.cameras[2].pictures.gainByFrame = true;  // c1 is left, and c0, which is held out
   ASSERT_FALSE(open());
   EXPECT_THAT(open().error().message, ::testing::HasSubstr("of the fitted cameras 1 have none"));

@@ -184,7 +184,10 @@ Status ViewReader::findGains(FrameViews& frame) const {
       others.push_back(frame.views[v]);
   }
   for (std::size_t v = 0; v < frame.views.size(); ++v) {
-    if (!isByFrame(v) || others.size() < kFewestSteady)
+    if (!isByFrame(v))
+      continue;
+    frame.facts[v].gainUntold = others.size() < kFewestSteady;
+    if (frame.facts[v].gainUntold)
       continue;
     const VolumeGeometry geometry{capture_->volume.bounds, capture_->volume.resolution};
     VOLUTE_ASSIGN(const double gain, gainByOthers(frame.views[v], others, geometry, Progress()));

@@ -32,6 +32,7 @@ struct PictureFacts {
   double gain = 1;    ///< of this frame, where that is found for each
   double counts = 0;  ///< floats, as CameraPicture has them
   bool dividedIntegers = false;
+  bool gainUntold = false;  ///< the gain of this frame: too few cameras tell it
 };
 
 /// All cameras at one frame, in the order of the capture.

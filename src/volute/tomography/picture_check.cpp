@@ -136,6 +136,13 @@ void checkStoring(const PictureFacts& facts, const std::string& camera, bool gre
                     facts.pedestal),
         camera);
   }
+  if (facts.gainUntold) {
+    warnings.add(
+        "its gain is taken as 1 here: fewer than two cameras without \"gain_by_frame\" have a "
+        "picture "
+        "that would tell it",
+        camera);
+  }
   if (grey) {
     warnings.add(
         fmt::format("{}: it is taken as the mean of theirs; state its \"gain\" where it sees "
