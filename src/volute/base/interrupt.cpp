@@ -17,6 +17,8 @@
 #include <set>
 #include <string_view>
 
+#include "volute/base/output_place.hpp"
+
 namespace volute {
 namespace {
 
@@ -185,10 +187,10 @@ void Interrupt::name(std::string_view command) {
 
 void Interrupt::watch(const std::filesystem::path& target) {
   const std::scoped_lock lock(foldersMutex);
-  folders.insert(target.has_parent_path() ? target.parent_path() : std::filesystem::path("."));
-  std::error_code error;
-  if (std::filesystem::is_symlink(target, error))
-    folders.insert(std::filesystem::weakly_canonical(target, error).parent_path());
+  const auto named = target.has_filename() ? target : target.parent_path();  // "FOLDER/"
+  const auto place = outputPlace(named, "");
+  for (const auto& path : {named, place ? *place : named})
+    folders.insert(path.has_parent_path() ? path.parent_path() : std::filesystem::path("."));
 }
 
 }  // namespace volute

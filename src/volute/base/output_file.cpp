@@ -12,27 +12,13 @@
 #include <utility>
 
 #include "volute/base/file_name.hpp"
+#include "volute/base/output_place.hpp"
 #include "volute/base/read_files.hpp"
 
 namespace volute {
 namespace {
 
 std::atomic<bool> outputsWithheld = false;
-
-/// Where a target is: symbolic links lead there.
-Result<std::filesystem::path> placeOf(const std::filesystem::path& target,
-                                      const std::string& name) {
-  constexpr int kMaxLinks = 40;
-  std::filesystem::path place = target;
-  std::error_code error;
-  for (int i = 0; std::filesystem::is_symlink(place, error); ++i) {
-    const auto next = std::filesystem::read_symlink(place, error);
-    if (error || i == kMaxLinks)
-      return fail(ErrorCode::kIo, "{}: this symbolic link leads nowhere", name);
-    place = place.parent_path() / next;
-  }
-  return place;
-}
 
 Status checkReplaceable(const std::filesystem::path& place, mode_t mode, const std::string& name) {
   if (!S_ISREG(mode))
@@ -81,7 +67,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& target,
                                         const std::string& name) {
   static std::atomic<unsigned> counter{0};
   const std::string shown = name.empty() ? target.string() : name;
-  VOLUTE_ASSIGN(const auto place, placeOf(target, shown));
+  VOLUTE_ASSIGN(const auto place, outputPlace(target, shown));
   PendingFile pending(target, place, shown);  // before the file is there: memory may end here
   struct stat old{};
   const bool replaces = ::stat(place.c_str(), &old) == 0;

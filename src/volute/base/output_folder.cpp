@@ -20,6 +20,7 @@
 #include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
 #include "volute/base/output_file.hpp"
+#include "volute/base/output_place.hpp"
 
 namespace volute {
 namespace {
@@ -163,13 +164,15 @@ Status removeResults(const fs::path& old, const fs::path& target) {
 
 Result<PendingFolder> PendingFolder::create(const fs::path& wanted, std::string_view mark) {
   const fs::path target = withoutSlash(wanted);
-  restoreReplaced(target);
+  VOLUTE_ASSIGN(const auto place, outputPlace(target, target.string()));
+  restoreReplaced(place);
   VOLUTE_TRY(checkReplaceable(target, mark));
   std::error_code error;
   auto temporary = siblingOf(
-      target, fmt::format(".{}.{}.0.part", target.filename().string().substr(0, 200), ::getpid()));
+      place, fmt::format(".{}.{}.0.part", place.filename().string().substr(0, 200), ::getpid()));
   fs::remove_all(temporary, error);
-  PendingFolder pending(std::move(temporary), target);  // memory may end here, before the folder is
+  // Memory may end here, before the folder is.
+  PendingFolder pending(std::move(temporary), target, place);
   if (!fs::create_directory(pending.temporary_, error)) {
     pending.temporary_.clear();  // another's
     return fail(ErrorCode::kIo, "{}: cannot make this folder: {}", target.string(),
@@ -185,7 +188,9 @@ PendingFolder::~PendingFolder() {
 }
 
 PendingFolder::PendingFolder(PendingFolder&& other) noexcept
-    : temporary_(std::exchange(other.temporary_, {})), target_(std::move(other.target_)) {}
+    : temporary_(std::exchange(other.temporary_, {})),
+      target_(std::move(other.target_)),
+      place_(std::move(other.place_)) {}
 
 Status PendingFolder::commit() {
   VOLUTE_TRY(checkNotWithheld(target_.string()));
@@ -197,33 +202,32 @@ Status PendingFolder::commit() {
   // case is the next round's. Whoever comes last stays.
   for (int round = 0; round < kRounds; ++round) {
     // The old one and the new one change places at once, where the file system can.
-    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, target_.c_str(), RENAME_EXCHANGE) ==
-        0) {
-      VOLUTE_TRY(removeResults(std::exchange(temporary_, {}), target_));
-      return syncParent(target_);
+    if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, place_.c_str(), RENAME_EXCHANGE) == 0) {
+      VOLUTE_TRY(removeResults(std::exchange(temporary_, {}), place_));
+      return syncParent(place_);
     }
     const bool canExchange = errno != EINVAL && errno != ENOSYS;
     // Nothing is there, or an empty folder.
-    if (::rename(temporary_.c_str(), target_.c_str()) == 0) {
+    if (::rename(temporary_.c_str(), place_.c_str()) == 0) {
       temporary_.clear();
-      return syncParent(target_);
+      return syncParent(place_);
     }
     if (!isTaken(errno))
       break;
     if (canExchange)
       continue;
-    if (::rename(target_.c_str(), replaced.c_str()) != 0) {
+    if (::rename(place_.c_str(), replaced.c_str()) != 0) {
       if (errno == ENOENT)
         continue;
       break;
     }
-    if (::rename(temporary_.c_str(), target_.c_str()) == 0) {
+    if (::rename(temporary_.c_str(), place_.c_str()) == 0) {
       temporary_.clear();
-      VOLUTE_TRY(removeResults(replaced, target_));
-      return syncParent(target_);
+      VOLUTE_TRY(removeResults(replaced, place_));
+      return syncParent(place_);
     }
     const int reason = errno;
-    if (::rename(replaced.c_str(), target_.c_str()) != 0 && isTaken(errno))
+    if (::rename(replaced.c_str(), place_.c_str()) != 0 && isTaken(errno))
       fs::remove_all(replaced, ignored);
     if (!isTaken(reason)) {
       errno = reason;

@@ -10,7 +10,8 @@
 namespace volute {
 
 /// A folder in the making beside `target`, so that a folder of results appears whole or not at all:
-/// files go to path(); commit() renames it; otherwise the destructor removes it with all in it.
+/// files go to path(); commit() renames it; otherwise the destructor removes it with all in it. Of
+/// a symbolic link the folder that it leads to is replaced.
 class PendingFolder {
  public:
   /// A folder `target` that is there is replaced in commit() when it is empty or holds a file named
@@ -31,11 +32,13 @@ class PendingFolder {
   [[nodiscard]] Status commit();
 
  private:
-  PendingFolder(std::filesystem::path temporary, std::filesystem::path target)
-      : temporary_(std::move(temporary)), target_(std::move(target)) {}
+  PendingFolder(std::filesystem::path temporary, std::filesystem::path target,
+                std::filesystem::path place)
+      : temporary_(std::move(temporary)), target_(std::move(target)), place_(std::move(place)) {}
 
   std::filesystem::path temporary_;
-  std::filesystem::path target_;
+  std::filesystem::path target_;  // as it was named
+  std::filesystem::path place_;   // where it is, symbolic links followed
 };
 
 }  // namespace volute

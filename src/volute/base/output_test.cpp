@@ -143,6 +143,37 @@ TEST_F(Output, FilesThatNoRunWroteStayInAFolderThatIsReplaced) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
 }
 
+TEST_F(Output, ASymbolicLinkStaysAndItsFolderIsReplaced) {
+  fs::create_directory(folder_ / "scratch");
+  fs::create_directory_symlink("scratch/out/", folder_ / "link");
+  fs::create_directory_symlink("link", folder_ / "second");
+  const fs::path out = folder_ / "scratch/out";
+  for (const std::string name : {"link", "second", "link/"}) {  // the first one dangles
+    auto folder = PendingFolder::create(folder_ / name, "mark");
+    ASSERT_TRUE(folder) << folder.error().message;
+    EXPECT_EQ(fs::canonical(folder->path().parent_path()), fs::canonical(folder_ / "scratch"));
+    std::ofstream(folder->path() / "mark") << name;
+    ASSERT_TRUE(folder->commit());
+    EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+    EXPECT_TRUE(fs::is_symlink(folder_ / "second"));
+    EXPECT_EQ(textOf(out / "mark"), name);
+    std::ofstream(out / "notes.txt") << "mine";
+  }
+  EXPECT_EQ(textOf(out / "notes.txt"), "mine");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "scratch"), {}), 1);
+  fs::create_directory(out / "empty");
+  fs::create_directory_symlink("scratch/out/empty", folder_ / "to_empty");
+  {
+    auto folder = PendingFolder::create(folder_ / "to_empty", "mark");
+    ASSERT_TRUE(folder);
+    ASSERT_TRUE(folder->commit());
+  }
+  EXPECT_TRUE(fs::is_symlink(folder_ / "to_empty"));
+  fs::create_directory_symlink("round", folder_ / "round");
+  EXPECT_THAT(PendingFolder::create(folder_ / "round", "mark").error().message,
+              HasSubstr("leads nowhere"));
+}
+
 TEST_F(Output, AFolderThatAKilledRunMovedAwayComesBack) {
   const fs::path target = folder_ / "out";
   const pid_t dead = deadProcess();
