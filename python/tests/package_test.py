@@ -2,6 +2,7 @@
 # SPDX-FileCopyrightText: The Volute authors
 """The Python package, as its users see it."""
 import ast
+import concurrent.futures
 import contextlib
 import datetime
 import decimal
@@ -1854,6 +1855,27 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
             with self.assertRaisesRegex(volute.InvalidArgument, "is read and would be replaced; give another name"):
                 call()
         self.assertEqual({name: pathlib.Path(name).read_bytes() for name in before}, before)
+        class Elsewhere:
+            """As dask's arrays, computed by another thread."""
+            shape, dtype, ndim = v.shape, v.dtype, v.ndim
+
+            def __dask_graph__(self):
+                return {}
+
+            def __len__(self):
+                return len(v)
+
+            def __getitem__(self, index):
+                with concurrent.futures.ThreadPoolExecutor() as pool:
+                    return pool.submit(lambda: v[index]).result()
+        arrays = [Elsewhere()]
+        if importlib.util.find_spec("dask"):
+            arrays.append(2 * v.to_dask())
+        for array in arrays:
+            with self.assertRaisesRegex(volute.InvalidArgument, "is read and would be replaced; give another name"):
+                volute.compress(array, file)
+            volute.compress(array, self.path / "other.volute")
+        self.assertEqual(pathlib.Path(file).read_bytes(), before[file])
         volute.compress(2 * v[...], file)  # that was read before
 
     def test_a_volume_is_compressed_with_all_that_its_file_says(self):

@@ -111,7 +111,7 @@ def compress(frames, path, *, quality=None, rms=None, rms_over="support", psnr=N
     if isinstance(frames, Volume):
         return _compress_again(frames, path, (target, value), given, (wavelet, effort, access or ""), utf8("provenance", provenance),
                                size_of("max_memory", max_memory), progress)
-    with Listener(progress) as listener, reads_noted() as read:
+    with Listener(progress) as listener, reads_noted(frames) as read:
         source, shape, said, rounding = volume(frames, given, os.path.dirname(path) or ".", not_finite=not_finite)
         _refuse_replacing(path, read)
         if basis == "cubic" and not isinstance(frames, Frames):

@@ -382,8 +382,8 @@ class Volume(Frames):
     def _note_read(self):
         """What this thread writes meanwhile is not to replace it: reads_noted()."""
         noted = getattr(_thread, "reads", None)
-        if noted is not None:
-            noted.add(self.path)
+        for one in _of_all_threads if noted is None else (noted,):
+            one.add(self.path)
 
     def _refuse_too_large(self, indices):
         """Before anything is decoded."""
@@ -472,15 +472,23 @@ class Volume(Frames):
 
 
 _thread = threading.local()
+#: sets of reads_noted() of arrays that other threads compute
+_of_all_threads = []
 
 
 @contextlib.contextmanager
-def reads_noted():
-    """A set, to which the names of files are added that volumes are read from in this thread."""
+def reads_noted(array=None):
+    """A set, to which the names of files are added that volumes are read from in this thread; of an array of dask's, in others, too, but for
+    those that note their own."""
     before, _thread.reads = getattr(_thread, "reads", None), set()
+    graph = getattr(array, "__dask_graph__", None)
+    others = [_thread.reads] if callable(graph) and graph() is not None else []
+    _of_all_threads.extend(others)
     try:
         yield _thread.reads
     finally:
+        for one in others:
+            _of_all_threads[:] = [other for other in _of_all_threads if other is not one]
         if before is not None:
             before |= _thread.reads
         _thread.reads = before
