@@ -19,6 +19,11 @@ static int fill(void* user, int32_t frame, float* values, size_t count) {
   return 0;
 }
 
+/* Frame by frame from a file that is open. */
+static int copy(void* user, int32_t frame, float* values, size_t count) {
+  return volute_file_read((const volute_file*)user, frame, NULL, NULL, values, count) != VOLUTE_OK;
+}
+
 static int stop(void* user, int32_t frame, float* values, size_t count) {
   (void)user, (void)frame, (void)values, (void)count;
   return 1;
@@ -69,6 +74,10 @@ int main(void) {
   expect(volute_file_read(file, 3, NULL, NULL, part, 1) == VOLUTE_INVALID_ARGUMENT, "there is no frame 3");
   printf("%s\n", volute_error());
   expect(volute_file_read(file, 0, begin, end, part, 5) == VOLUTE_INVALID_ARGUMENT, "5 values are too few");
+  printf("%s\n", volute_error());
+  check(volute_compress("copy.volute", &info, times, copy, file, VOLUTE_MAX_ERROR, 1e-3));
+  expect(volute_compress("smoke.volute", &info, times, copy, file, VOLUTE_MAX_ERROR, 1e-3) ==
+             VOLUTE_INVALID_ARGUMENT, "what is read is not replaced");
   printf("%s\n", volute_error());
   volute_file_close(file);
   expect(volute_file_open("nothing.volute", &file) == VOLUTE_NOT_FOUND && !file, "the file is not there");

@@ -126,7 +126,8 @@ typedef int (*volute_frame_function)(void* user, int32_t frame, float* values, s
 
 /* Writes a .volute file, which appears only when complete. `info` describes the data (max_error is
  * ignored; if all bounds are 0, voxels are cubic, with 1 m for the longest side). `times` [s],
- * ascending, or NULL for 25 frames per second. VOLUTE_CANCELLED if `fill` stopped. */
+ * ascending, or NULL for 25 frames per second. VOLUTE_CANCELLED if `fill` stopped. A file that `fill`
+ * reads by volute_file_read() is not replaced: VOLUTE_INVALID_ARGUMENT. */
 volute_status volute_compress(const char* path, const volute_info* info, const double* times,
                               volute_frame_function fill, void* user, int target, double value);
 
@@ -210,8 +211,8 @@ typedef struct volute_mesh {
   size_t time_count;   /* 0: 1 */
 } volute_mesh;
 
-/* `members`: those of smoke in a scene, above all what the values are: "{\"quantity\":
- * \"extinction\"}" [1/m]; densities of soot [kg/m3] else. */
+/* `members`: those of smoke in a scene, of which "quantity" has to be there, which says what the
+ * values are: "{\"quantity\": \"extinction\"}" [1/m], "soot-density" [kg/m3], .. */
 volute_status volute_drawing_open_mesh(const volute_mesh* mesh, const char* members,
                                        volute_drawing** drawing);
 void volute_drawing_close(volute_drawing* drawing);
@@ -343,7 +344,8 @@ volute_status volute_lines_solve(const volute_lines* lines, const volute_info* i
 typedef struct volute_engine volute_engine;
 
 /* `signs` is a file of signs as for `volute visibility --signs`. The criteria of tenability are the
- * default ones for which the case has data. */
+ * default ones for which the case has data. `path` is an FDS case or a scene; smoke on a mesh needs a
+ * scene, which says what the values are. */
 volute_status volute_engine_open(const char* path, const char* signs, volute_engine** engine);
 void volute_engine_close(volute_engine* engine);
 

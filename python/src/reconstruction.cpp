@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "scene_bridge.hpp"
+#include "volute/base/output_name.hpp"
 #include "volute/capture/capture_check.hpp"
 #include "volute/capture/open_capture.hpp"
+#include "volute/capture/write_capture.hpp"
 #include "volute/codec/compress.hpp"
 #include "volute/io/output_names.hpp"
 #include "volute/tomography/capture_refinement.hpp"
@@ -46,6 +48,7 @@ ReconstructionSettings settingsOf(const OrderedJson& said, const Capture& captur
   take("rays_per_pixel", options.raysPerPixel);
   take("hull", options.hull);
   take("coarse_to_fine", options.coarseToFine);
+  take("temporal", options.temporal);
   take("warm_start", settings.warmStart);
   take("force", settings.force);
   take("error_bars", settings.errorBars);
@@ -111,6 +114,11 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
   OrderedJson report;
   run(listener, [&](Progress& progress) -> Status {
     VOLUTE_TRY(checkReplacesNothing(output, {path}));
+    const auto refined = said.value("refined", std::string());
+    if (!refined.empty()) {
+      VOLUTE_TRY(checkOutput(refined));
+      VOLUTE_TRY(checkReplacesNothing(refined, {path}, "refined"));
+    }
     VOLUTE_ASSIGN(const Capture given, openCapture(path, captureOptions(said, maxMemory)));
     remarkOn(given, progress);
     const auto heldOut = said.value("hold_out", std::vector<std::string>{});
@@ -130,6 +138,8 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
     VOLUTE_ASSIGN(const CaptureRefinement refinement,
                   refineCapture(given, heldOut, refine ? Refine::kAuto : Refine::kNever, maxMemory,
                                 progress));
+    if (!refined.empty())
+      VOLUTE_TRY(writeCapture(refined, refinement.capture));
     settings.causeNamed = refinement.namesCause();
     settings.causeNamedIn = refinement.faultyFrames;
     const Capture& capture = refinement.capture;

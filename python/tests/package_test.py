@@ -1399,6 +1399,11 @@ print("done", flush=True)
             self.assertEqual((again.shape, again.up, again.frame_numbers.tolist()), (v.shape, v.up, v.frame_numbers.tolist()))
             np.testing.assert_allclose(again.bounds, v.bounds)
             np.testing.assert_array_equal(again.times, v.times)
+        if importlib.util.find_spec("netCDF4"):
+            data.to_netcdf(self.path / "cache.nc")
+            self.command("compress", self.path / "cache.nc", "--field", "velocity", "-o", self.path / "of_nc.volute", "--max-error", 1e-3)
+            of_nc = volute.open(self.path / "of_nc.volute")
+            self.assertEqual((of_nc.shape, of_nc.bounds, list(of_nc.times)), (v.shape, v.bounds, list(v.times)))
         dimension = data["velocity"].dims[0]
         part = volute.compress(data["velocity"].isel({dimension: [0, 2]}), self.path / "again.volute", max_error=1e-3).open()
         self.assertEqual(part.frame_numbers.tolist(), v.frame_numbers[[0, 2]].tolist())
@@ -1673,6 +1678,22 @@ print("done", flush=True)
         self.assertEqual(mine.report["file_residual"], json.loads((self.path / "its.json").read_text())["file_residual"])
         self.assertNotIn("file_residual", volute.reconstruct(capture, **said).report)
 
+    def test_reconstruction_pulls_frames_together_and_writes_the_calibration(self):
+        capture = self.capture((5, 6))
+        said = {"iterations": 20, "regularization": "tv"}
+        mine = volute.reconstruct(capture, self.path / "mine.volute", temporal=0.01, refined=self.path / "mine.json", **said)
+        self.command("reconstruct", capture, "-o", self.path / "its.volute", "--iterations", 20, "--regularization", "tv", "--temporal", 0.01,
+                     "--refined", self.path / "its.json")
+        np.testing.assert_array_equal(np.asarray(mine.values), np.asarray(volute.open(self.path / "its.volute")))
+        alone = volute.reconstruct(capture, self.path / "alone.volute", **said)
+        self.assertFalse(np.array_equal(np.asarray(mine.values), np.asarray(alone.values)))
+        self.assertEqual((self.path / "mine.json").read_text(), (self.path / "its.json").read_text())
+        for wrong in (-1, float("nan"), float("inf")):
+            with self.assertRaisesRegex(ValueError, "temporal=.*: expected 0 or more"):
+                volute.reconstruct(capture, temporal=wrong)
+        with self.assertRaisesRegex(volute.InvalidArgument, "would be replaced"):
+            volute.reconstruct(capture, iterations=2, refined=capture)
+
     def test_reconstruction_with_velocities(self):
         capture = self.capture((5, 6, 7))
         said = {"iterations": 20, "regularization": "none", "velocity": True}
@@ -1877,6 +1898,13 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
             volute.compress(array, self.path / "other.volute")
         self.assertEqual(pathlib.Path(file).read_bytes(), before[file])
         volute.compress(2 * v[...], file)  # that was read before
+
+    def test_arrays_are_of_no_other_kind(self):
+        with self.assertRaisesRegex(volute.InvalidArgument, 'is "fog", and this is a volume of voxels, of kind "volume"; leave it out'):
+            volute.Scene(self.values, kind="fog")
+        with self.assertRaisesRegex(ValueError, "/media/0/kind: 'fog' with an array as its file; arrays are of kind 'volume'"):
+            volute.Scene({"format": "volute-scene-2", "media": [{"kind": "fog", "file": self.values}]})
+        volute.Scene(self.values, kind="volume")
 
     def test_a_volume_is_compressed_with_all_that_its_file_says(self):
         array = np.ma.masked_less(self.values, 0.05)

@@ -112,6 +112,8 @@ class _Volumes:
                 case, members = self.source(entry["case"], {})
                 entry = {"kind": "smoke", **members, **entry, "case": case}
             if isinstance(entry, dict) and "file" in entry and not isinstance(entry["file"], (str, bytes, os.PathLike)):
+                if _is_values(entry["file"]) and entry.get("kind", "volume") != "volume":
+                    raise ValueError(f"/media/{len(media)}/kind: {entry['kind']!r} with an array as its file; arrays are of kind 'volume'")
                 file, members = self.source(entry["file"], {key: value for key, value in entry.items() if key not in ("file", "kind")})
                 entry = {"kind": entry.get("kind", "volume"), "file": file, **members}
             media.append(entry)
@@ -768,14 +770,14 @@ def reconstruct(capture, output=None, *, rms=1e-3, frames=None, resolution=None,
     output: a .volute file to write, at a relative RMS error of `rms`, that of `volute reconstruct`; None: an array is returned.
     frames: (first, end), or range(first, end, step). resolution: (x, y, z) voxels, or one number for the longest side. bounds: ((x0,y0,z0),(x1,y1,z1)) [m].
     images: the pattern of pictures, {camera} and %04d. Options as those of the command: basis, solver, iterations, regularization,
-    lambda_, sparsity, refine, rays_per_pixel, hull, coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars, velocity,
-    force. error_bars=True estimates standard deviations, too, and velocity=True velocities between frames; temperature=True writes temperature and extinction of a
+    lambda_, sparsity, temporal, refine, refined (a .json to write the capture to, with the calibration that was used), rays_per_pixel, hull,
+    coarse_to_fine, warm_start, noise_sigma, hold_out, error_bars, velocity, force. error_bars=True estimates standard deviations, too, and velocity=True velocities between frames; temperature=True writes temperature and extinction of a
     flame's soot as grids of `output`."""
     part = _part()
     lines = isinstance(capture, Lines) or str(capture).lower().endswith(".csv")
     known = {"basis": ("trilinear", "box"), "solver": ("apg", "mlem", "sirt", "cgls"),
              "regularization": ("auto", "none", "tv", "smooth", "wavelet"), "rays_per_pixel": (1, 4), "iterations": None, "lambda": None,
-             "sparsity": None, "refine": (True, False), "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
+             "sparsity": None, "temporal": None, "refine": (True, False), "refined": None, "hull": None, "coarse_to_fine": None, "warm_start": None, "noise_sigma": None, "hold_out": None,
              "error_bars": (True, False), "velocity": (True, False), "temperature": (True, False), "force": None}
     if lines:
         known = {key: known[key] for key in ("basis", "iterations", "lambda", "force")}
@@ -785,6 +787,12 @@ def reconstruct(capture, output=None, *, rms=1e-3, frames=None, resolution=None,
             raise TypeError(f"reconstruct() has no option {key!r}; there are {', '.join(known)}")
         if known[key] and value not in known[key]:
             raise ValueError(f"{key}={value!r}: expected {' or '.join(map(repr, known[key]))}")
+    if "temporal" in said:
+        said["temporal"] = number("temporal", said["temporal"])
+        if not 0 <= said["temporal"] < np.inf:
+            raise ValueError(f"temporal={said['temporal']!r}: expected 0 or more")
+    if "refined" in said:
+        said["refined"] = file_name(said["refined"], "refined")
     if "hold_out" in said:
         said["hold_out"] = [said["hold_out"]] if isinstance(said["hold_out"], str) else list(said["hold_out"])
     if frames is not None:

@@ -558,6 +558,11 @@ class Slurm(Cluster):
             self.runs_script("array_of_cases.sh", self.path("cases.txt"), self.path("signs.json"), self.path("results"), task=2)
             report = self.path("results/0002/visibility.json")
             self.assertTrue(report.exists())
+        self.works("synthesize", "hall", "-o", self.path("mesh.pvd"), "--cell", "0.5", "--frames", 2)
+        self.path("meshes.txt").write_text(f"{self.path('mesh.pvd')}\n")
+        self.runs_script("array_of_cases.sh", self.path("meshes.txt"), self.path("signs.json"), self.path("meshes"), "--quantity", "soot-density",
+                         "--field", "soot", "--unit", "g/m3")
+        self.assertTrue(self.path("meshes/0001/visibility.json").exists())
 
     def test_study(self):
         study = self.study()
@@ -566,7 +571,7 @@ class Slurm(Cluster):
         for task in range(1, 6):
             self.runs_script("study.sh", study, self.path("out"), task=task)
         self.works("sweep", study, "-o", self.path("out"))
-        self.works("sweep", study, "-o", self.path("alone"))
+        self.assertIn("1 of 6 runs failed: ", self.works("sweep", study, "-o", self.path("alone")).message)
         self.assertEqual((self.path("out") / "study.csv").read_bytes(), (self.path("alone") / "study.csv").read_bytes())
 
 

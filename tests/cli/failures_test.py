@@ -144,6 +144,24 @@ class Failures(support.TestCase):
             said = self.fails(1, "extract", packed, "-o", self.path(f"x.{end}"), preexec_fn=small_files)
             self.assertRegex(said, "File too large|this build has no")
 
+    def test_a_limit_on_files_is_no_lack_of_memory(self):
+        """What a reading process hands over is memory that is shared as a file."""
+        self.works("synthesize", "hall", "-o", self.path("hall.pvd"), "--cell", "0.5", "--frames", 1)
+
+        def small_files():
+            resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
+
+        said = self.fails(1, "info", self.path("hall.pvd"), "--values", preexec_fn=small_files)
+        self.assertIn("1 MiB of values: the limit on the size of files (ulimit -f) holds for the memory that two processes share, too", said)
+
+    def test_meshes_of_other_formats_are_told_as_such(self):
+        for name in ("x.cgns", "mb.vtm"):
+            self.path(name).write_text("<VTKFile/>")
+            for words in (("info",), ("render", "-o", self.path("x.png")), ("render", "-o", self.path("x.png"), "--quantity", "extinction"),
+                          ("compress", "-o", self.path("x.volute"))):
+                said = self.fails(1, words[0], self.path(name), *words[1:])
+                self.assertIn(f"{name}: is a mesh in a format that is not read; expected .vtu, .pvtu", said)
+
     def test_targets_out_of_reach(self):
         source = self.make_npy()
         for target in (["--size", "10"], ["--ratio", "1e9"], ["--rms", "1e-12"]):

@@ -868,6 +868,26 @@ class Areas(Cases):
         self.assertTrue([one for one in report["verdict"] if one["criterion"] == "area the rest" and "ASET - RSET is -10 s" in
                          one["sentence"]])
 
+    def test_the_rset_of_an_area_whose_margin_is_not_known_is_told(self):
+        """The data end at 90 s; of a route the longest RSET counts, and what is known of it is a bound."""
+        areas = {"areas": [{"name": "west", "polygon": [[0, 0], [9.9, 0], [9.9, 4], [0, 4]], "rset": 40},
+                           {"name": "east", "polygon": [[10.3, 0], [20, 0], [20, 4], [10.3, 4]], "rset": 200}],
+                 "routes": [{"name": "way", "line": [[6, 2], [19, 2]]}]}
+        report = self.look(areas)
+        found = {one["name"]: one["margin"] for one in report["areas"]}
+        self.assertEqual([(found[name]["rset"], found[name]["value"], found[name]["known"], found[name].get("at_most"))
+                          for name in ("west", "east", "way")],
+                         [(40, -10, True, None), (200, None, False, None), (200, None, False, -10)])
+        with open(self.path("out") / "areas.csv", newline="") as file:
+            rows = {row["name"]: row for row in csv.DictReader(file)}
+        self.assertEqual([tuple(rows[name][key] for key in ("rset", "margin", "margin_known", "margin_at_most"))
+                          for name in ("west", "east", "way")],
+                         [("40.0", "-10.0", "yes", ""), ("200.0", "", "no", ""), ("200.0", "", "no", "-10.0")])
+        page = (self.path("out") / "report.html").read_text()
+        self.assertIn("<b>not known</b>, at most -10", page)
+        (sentence,) = (one["sentence"] for one in report["verdict"] if one["criterion"] == "route way")
+        self.assertRegex(sentence, "its margin is not known at .* of the points in use, and -10 s at others: too late")
+
     def test_required_times_of_rooms_by_name(self):
         self.path("rset.csv").write_text("room;rset [min]\nroom 1;1\nroom 2;0.5\n")
         report = self.look(None, "--rset", self.path("rset.csv"))

@@ -301,9 +301,10 @@ class Streams(support.TestCase):
     def test_help_into_head(self):
         read, write = os.pipe()
         os.close(read)  # as head does when it has seen enough
-        done = subprocess.run([support.PROGRAM, "help", "render"], stdout=write, stderr=subprocess.PIPE)
+        for words in (("help", "render"), ("man",), ("info", "--json", self.make_npy())):
+            done = subprocess.run([support.PROGRAM, *words], stdout=write, stderr=subprocess.PIPE)
+            self.assertEqual((done.returncode, done.stderr), (-signal.SIGPIPE, b""), words)
         os.close(write)
-        self.assertEqual((done.returncode, done.stderr), (-signal.SIGPIPE, b""))
 
     def test_few_descriptors(self):
         self.scene()

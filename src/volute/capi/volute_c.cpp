@@ -11,6 +11,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "volute/base/advice.hpp"
@@ -28,6 +29,7 @@
 #include "volute/grid/array_source.hpp"
 #include "volute/grid/resample.hpp"
 #include "volute/image/srgb.hpp"
+#include "volute/io/output_names.hpp"
 #include "volute/media/camera_file.hpp"
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/own_kind.hpp"
@@ -41,6 +43,7 @@
 
 struct volute_file {
   volute::VoluteReader reader;
+  std::string path;
 };
 
 struct volute_drawing {
@@ -214,18 +217,44 @@ std::vector<GridMatrix> placesOf(const VoluteReader& reader) {
   return description ? description->places() : std::vector<GridMatrix>();
 }
 
+/// Names of files that a function of the caller's reads in this thread, which may be what it fills.
+class ReadsOfFunction {
+ public:
+  ReadsOfFunction() : outer_(std::exchange(running_, this)) {}
+
+  ~ReadsOfFunction() { running_ = outer_; }
+
+  ReadsOfFunction(const ReadsOfFunction&) = delete;
+  ReadsOfFunction& operator=(const ReadsOfFunction&) = delete;
+
+  static void note(const std::string& path) {
+    if (running_ && std::ranges::find(running_->names_, path) == running_->names_.end())
+      running_->names_.push_back(path);
+  }
+
+  const std::vector<std::string>& names() const { return names_; }
+
+ private:
+  static inline thread_local ReadsOfFunction* running_ = nullptr;
+  ReadsOfFunction* outer_;
+  std::vector<std::string> names_;
+};
+
 /// Frames that the caller's function fills.
 class CallerFrames final : public RoundingSource {
  public:
-  CallerFrames(VolumeInfo info, volute_frame_function fill, void* user)
-      : info_(std::move(info)), fill_(fill), user_(user) {}
+  /// @param target  what they are written to
+  CallerFrames(VolumeInfo info, volute_frame_function fill, void* user, std::string target)
+      : info_(std::move(info)), fill_(fill), user_(user), target_(std::move(target)) {}
 
   const VolumeInfo& info() const override { return info_; }
 
   Status readFrame(int index, std::span<float> values) override {
     const CallersFunction running;
+    const ReadsOfFunction reads;
     if (fill_(user_, index, values.data(), values.size()) != 0)
       return fail(ErrorCode::kCancelled, "the caller's function stopped at frame {}", index);
+    VOLUTE_TRY(checkReplacesNothing(target_, reads.names()));
     for (std::size_t i = 0; offset_ != 0 && i < values.size(); ++i)
       values[i] = static_cast<float>(static_cast<double>(values[i]) - offset_);
     return {};
@@ -243,6 +272,7 @@ class CallerFrames final : public RoundingSource {
   VolumeInfo info_;
   volute_frame_function fill_;
   void* user_;
+  std::string target_;
   double offset_ = 0;
 };
 
@@ -447,10 +477,11 @@ std::invoke_result_t<Draw> drawnBy(const volute_view& view, FilmJob& job, Draw&&
   return done;
 }
 
+/// @param caller  in errors
 /// @param draw  draw(job, development, progress) gives the picture
 template <class Draw>
-Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_t room,
-                    const Draw& draw) {
+Result<Image> drawn(std::string_view caller, volute_drawing& drawing, const volute_view& view,
+                    std::size_t room, const Draw& draw) {
   VOLUTE_ASSIGN(const auto request, requestOf(view));
   VOLUTE_ASSIGN(const auto lock, waitFor(drawing.mutex, "the drawing"));
   CallerProgress progress(view);
@@ -460,7 +491,7 @@ Result<Image> drawn(volute_drawing& drawing, const volute_view& view, std::size_
       std::size_t{3} * static_cast<std::size_t>(camera.width() * camera.height());
   if (room != needed) {
     return fail(ErrorCode::kInvalidArgument,
-                "volute_drawing_draw: room for {} values; a picture of {} x {} pixels has {}", room,
+                "{}: room for {} values; a picture of {} x {} pixels has {}", caller, room,
                 camera.width(), camera.height(), needed);
   }
   return drawnBy(view, drawing.job, [&]() -> Result<Image> {
@@ -611,7 +642,7 @@ volute_status volute_file_open(const char* path, volute_file** file) {
     VOLUTE_TRY(volute::given("volute_file_open", path, file));
     *file = nullptr;
     VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path));
-    *file = new volute_file{std::move(reader)};
+    *file = new volute_file{std::move(reader), path};
     return {};
   });
 }
@@ -624,7 +655,7 @@ volute_status volute_file_open_grid(const char* path, const char* grid, volute_f
     options.grid = grid;
     options.differences = volute::Offsets::kAll;
     VOLUTE_ASSIGN(auto reader, volute::VoluteReader::open(path, options));
-    *file = new volute_file{std::move(reader)};
+    *file = new volute_file{std::move(reader), path};
     return {};
   });
 }
@@ -704,6 +735,7 @@ volute_status volute_file_read(const volute_file* file, int32_t frame, const int
                                const int32_t end[3], float* values, size_t count) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_file_read", file, values));
+    volute::ReadsOfFunction::note(file->path);
     return volute::readRegion(file->reader, frame, begin, end, values, count);
   });
 }
@@ -713,6 +745,7 @@ volute_status volute_file_read_double(const volute_file* file, int32_t frame,
                                       size_t count) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_file_read_double", file, values));
+    volute::ReadsOfFunction::note(file->path);
     return volute::readRegion(file->reader, frame, begin, end, values, count);
   });
 }
@@ -738,7 +771,7 @@ volute_status volute_compress(const char* path, const volute_info* info, const d
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_compress", path, info, fill));
     VOLUTE_ASSIGN(auto volume, volute::volumeOf("volute_compress", *info, times));
-    volute::CallerFrames frames(std::move(volume), fill, user);
+    volute::CallerFrames frames(std::move(volume), fill, user, path);
     VOLUTE_TRY(volute::settleOffset(frames));
     return volute::compressFrames("volute_compress", path, frames, target, value);
   });
@@ -1065,10 +1098,11 @@ volute_status volute_drawing_draw(volute_drawing* drawing, const volute_view* vi
                                   unsigned char* rgb, size_t bytes) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_drawing_draw", drawing, view, rgb));
-    VOLUTE_ASSIGN(const auto image,
-                  volute::drawn(*drawing, *view, bytes, [](auto& job, auto& how, auto& progress) {
-                    return volute::visiblePicture(job, how, progress);
-                  }));
+    VOLUTE_ASSIGN(const auto image, volute::drawn("volute_drawing_draw", *drawing, *view, bytes,
+                                                  [](auto& job, auto& how, auto& progress) {
+                                                    return volute::visiblePicture(job, how,
+                                                                                  progress);
+                                                  }));
     std::ranges::copy(volute::toSrgb8(image), rgb);
     return {};
   });
@@ -1078,10 +1112,11 @@ volute_status volute_drawing_light(volute_drawing* drawing, const volute_view* v
                                    size_t count) {
   return guarded([&]() -> Status {
     VOLUTE_TRY(volute::given("volute_drawing_light", drawing, view, rgb));
-    VOLUTE_ASSIGN(const auto image,
-                  volute::drawn(*drawing, *view, count, [](auto& job, auto& how, auto& progress) {
-                    return volute::linearPicture(job, how, progress);
-                  }));
+    VOLUTE_ASSIGN(const auto image, volute::drawn("volute_drawing_light", *drawing, *view, count,
+                                                  [](auto& job, auto& how, auto& progress) {
+                                                    return volute::linearPicture(job, how,
+                                                                                 progress);
+                                                  }));
     std::ranges::copy(image.pixels, rgb);
     return {};
   });

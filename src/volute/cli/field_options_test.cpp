@@ -142,6 +142,7 @@ TEST(FieldOptions, ThatWouldChangeNothingAreRefused) {
   EXPECT_EQ(
       refusal("a.smv", {"--unit", "g/m3"}),
       "--unit is for smoke on meshes; a.smv is an FDS case, which declares what its files contain");
+  EXPECT_EQ(refusal("a.cgns", {"--quantity", "extinction"}), "nothing");  // opening it says why not
   EXPECT_THAT(refusal("a.json", {"--emission", "2"}),
               HasSubstr("a.json is a scene: write it there"));
   EXPECT_EQ(refusal("a.smv", {"--fds-slice-range", "1,2"}),

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "volute/io/image_file.hpp"
+#include "volute/io/unread_mesh.hpp"
+#include "volute/media/smoke/scene_smoke.hpp"
 #include "volute/scene/kinds.hpp"
 #include "volute/scene/scene.hpp"
 #include "volute/volume_files/volume_input.hpp"
@@ -44,6 +46,8 @@ std::string thingsOf(const std::vector<std::string_view>& kinds, std::string_vie
 
 std::string_view mediumName(const std::string& file) {
   registerUsualMedia();
+  if (isUnreadMesh(file))  // opening it says so
+    return smokeFields().name;
   return mediumKindOf(file, true)->fields().name;
 }
 

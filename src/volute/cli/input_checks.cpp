@@ -6,6 +6,7 @@
 
 #include "volute/base/file_name.hpp"
 #include "volute/base/leftovers.hpp"
+#include "volute/base/output_place.hpp"
 #include "volute/base/read_files.hpp"
 #include "volute/io/named_files.hpp"
 #include "volute/io/output_names.hpp"
@@ -82,7 +83,8 @@ void remarkOnLeftovers(const Command& command, const Arguments& arguments, Conte
         option.several ? std::nullopt : arguments.findGiven<std::string>(option.name);
     if (!target || *target == "-")
       continue;
-    folders.insert(folderOf(*target));
+    const auto place = outputPlace(*target, *target);
+    folders.insert(folderOf(place ? *place : std::filesystem::path(*target)));
   }
   for (const std::filesystem::path& folder : folders) {
     const auto parts = leftoversIn(folder);

@@ -100,7 +100,8 @@ Status runGuarded(const Command& command, Arguments& arguments, Context& context
   }
 }
 
-/// `help | head -1` ends as other programs do whose reader has seen enough.
+/// `help | head -1` ends as other programs do whose reader has seen enough of their text. Ranks do
+/// not: a launcher would end the others.
 void endByBrokenPipe() {
   if (errno != EPIPE)
     return;
@@ -152,7 +153,7 @@ int runCommand(const Command& command, Arguments arguments, const std::vector<st
   Status status = runGuarded(command, arguments, context);
   if (status) {
     status = flushResults();
-    if (!status && command.name == "help")
+    if (!status && context.team.size() == 1 && console.strictness())
       endByBrokenPipe();
   }
   const Status strict = console.strictness();

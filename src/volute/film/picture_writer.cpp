@@ -62,7 +62,7 @@ Image displayed(const Image& data, const FramePart& part) {
 /// The colour that alpha multiplies.
 Image straight(Image color, const Image& alpha) {
   for (std::size_t i = 0; i < color.pixels.size(); ++i) {
-    const float share = alpha.pixels[i / 3];
+    const float share = alpha.pixels[i / static_cast<std::size_t>(color.channels)];
     color.pixels[i] = share > 0 ? color.pixels[i] / share : 0;
   }
   return color;

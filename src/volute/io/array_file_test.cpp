@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -66,6 +67,27 @@ class ArrayFile : public ::testing::TestWithParam<std::pair<const char*, const c
 INSTANTIATE_TEST_SUITE_P(Kinds, ArrayFile,
                          ::testing::Values(std::pair("netCDF", "a.nc"), std::pair("netCDF", "a.h5"),
                                            std::pair("Zarr", "a.zarr")));
+
+TEST_P(ArrayFile, HasAxesByACommonEndingAndByWhatTheirCoordinatesState) {
+  for (const char* how : {"m apart", "m axis"}) {
+    std::filesystem::remove_all(file());
+    write(how);
+    std::vector<std::string> told;
+    SourceOptions options;
+    options.grid = "soot";
+    options.remark = [&](const Remark& remark) { told.push_back(remark.sentence); };
+    const auto opened = openSource(file(), options);
+    ASSERT_TRUE(opened) << how << ": " << opened.error().message;
+    const VolumeInfo& info = (*opened)->info();
+    EXPECT_THAT((std::array{info.frames, info.z, info.y, info.x, info.channels}),
+                ElementsAre(3, 4, 5, 2, 3))
+        << how;
+    EXPECT_THAT(info.times, ElementsAre(0, 60, 120)) << how;
+    EXPECT_EQ(info.bounds.max, Vec3(0.75, 2.25, 1.75)) << how;
+    for (const std::string& sentence : told)
+      EXPECT_THAT(sentence, ::testing::Not(HasSubstr("by their order"))) << how;
+  }
+}
 
 TEST_P(ArrayFile, HasAxesPlacesTimesAndScaledNumbers) {
   write("cm");

@@ -3,7 +3,9 @@
 // volute_array_maker DRIVER FILE UNIT: a netCDF (with HDF5 inside) or Zarr file for tests, with the
 // array `soot` of 3 x 4 x 5 x 6 numbers along time, z, y and x, 1000 t + 100 z + 10 y + x tenths,
 // as 16-bit integers with a scale, z from above; and `flat` with axes of no names. Coordinates are
-// in UNIT, time in minutes. A fourth argument leaves out a number.
+// in UNIT, time in minutes. A fourth argument leaves out a number; but "apart" gives soot the
+// dimensions t_soot, z_soot, y_soot, x_soot of 3, 4, 5, 2 and c of 3, and "axis" others than these
+// that CF's attribute names.
 // volute_array_maker HDF5 FILE KIND: files of HDF5 that GDAL does not write, with `soot` of 3 x 2 x
 // 2 x 2 ones: KIND is virtual, external, link (all over other.h5), self (virtual over `source` in
 // itself), hole (frame 1 is not written), never (nothing is), open (as hole, without a fill value)
@@ -33,7 +35,9 @@ bool put(GDALMDArray& array, const std::vector<T>& values, GDALDataType type) {
                      GDALExtendedDataType::Create(type), values.data());
 }
 
-bool make(const char* driver, const char* file, const char* unit, bool hole) {
+bool make(const char* driver, const char* file, const char* unit, std::string_view how) {
+  const bool apart = how == "apart", stated = how == "axis";
+  const bool coloured = apart || stated, hole = !how.empty() && !coloured;
   GDALAllRegister();
   auto* maker = GetGDALDriverManager()->GetDriverByName(driver);
   const std::unique_ptr<GDALDataset> data(
@@ -41,19 +45,42 @@ bool make(const char* driver, const char* file, const char* unit, bool hole) {
   if (!data)
     return false;
   const auto root = data->GetRootGroup();
-  constexpr GUInt64 kSize[] = {3, 4, 5, 6};
-  constexpr const char* kNames[] = {"time", "z", "y", "x", nullptr};
+  const std::vector<GUInt64> size =
+      coloured ? std::vector<GUInt64>{3, 4, 5, 2, 3} : std::vector<GUInt64>{3, 4, 5, 6};
+  const char* const kNames[] = {apart    ? "t_soot"
+                                : stated ? "when"
+                                         : "time",
+                                apart    ? "z_soot"
+                                : stated ? "up"
+                                         : "z",
+                                apart    ? "y_soot"
+                                : stated ? "north"
+                                         : "y",
+                                apart    ? "x_soot"
+                                : stated ? "east"
+                                         : "x",
+                                coloured ? "c" : nullptr,
+                                nullptr};
+  constexpr const char* kAxes[] = {"T", "Z", "Y", "X"};
   const auto doubles = GDALExtendedDataType::Create(GDT_Float64);
   Dimensions axes, nameless;
-  for (int i = 0; i < 4; ++i) {
-    const auto axis = root->CreateDimension(kNames[i], "", "", kSize[i], nullptr);
+  for (std::size_t i = 0; i < size.size(); ++i) {
+    const auto axis = root->CreateDimension(kNames[i], "", "", size[i], nullptr);
     axes.push_back(axis);
-    nameless.push_back(root->CreateDimension("d" + std::to_string(i), "", "", kSize[i], nullptr));
+    nameless.push_back(root->CreateDimension("d" + std::to_string(i), "", "", size[i], nullptr));
+    if (i == 4)
+      continue;
     const auto coordinate = root->CreateMDArray(kNames[i], {axis}, doubles, nullptr);
-    std::vector<double> places(kSize[i]);
-    for (GUInt64 k = 0; k < kSize[i]; ++k)
+    std::vector<double> places(size[i]);
+    for (GUInt64 k = 0; k < size[i]; ++k)
       places[k] = i == 0 ? 5.0 + static_cast<double>(k)
-                         : 0.5 * static_cast<double>(i == 1 ? kSize[i] - 1 - k : k);
+                         : 0.5 * static_cast<double>(i == 1 ? size[i] - 1 - k : k);
+    if (stated) {
+      const auto said =
+          coordinate->CreateAttribute("axis", {}, GDALExtendedDataType::CreateString(), nullptr);
+      if (!said || !said->Write(kAxes[i]))
+        return false;
+    }
     if (!coordinate->SetUnit(i == 0 ? "minutes since 2020-01-01" : unit) ||
         !put(*coordinate, places, GDT_Float64))
       return false;
@@ -70,7 +97,7 @@ bool make(const char* driver, const char* file, const char* unit, bool hole) {
                                            GDALExtendedDataType::Create(GDT_Int16), nullptr);
     const std::int16_t none = -1;
     if (std::string_view(driver) == "Zarr" && named) {  // as xarray names them there
-      const auto names = array->CreateAttribute("_ARRAY_DIMENSIONS", {4},
+      const auto names = array->CreateAttribute("_ARRAY_DIMENSIONS", {size.size()},
                                                 GDALExtendedDataType::CreateString(), nullptr);
       if (!names || !names->Write(CSLConstList(kNames)))
         return false;
@@ -133,7 +160,7 @@ int main(int argc, char** argv) {
   if (argc == 4 && std::string_view(argv[1]) == "HDF5")
     return makeHdf5(argv[2], argv[3]) ? 0 : 1;
 #endif
-  if (argc >= 4 && make(argv[1], argv[2], argv[3], argc > 4))
+  if (argc >= 4 && make(argv[1], argv[2], argv[3], argc > 4 ? argv[4] : ""))
     return 0;
   std::fprintf(stderr, "%s: %s\n", argc > 2 ? argv[2] : "", CPLGetLastErrorMsg());
   return 1;

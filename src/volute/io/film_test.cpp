@@ -117,6 +117,50 @@ TEST(Film, GreyIsOfTheFullRangeUnlessItSaysOtherwise) {
   }
 }
 
+/// The same of a film in colour whose pictures are grey.
+std::vector<double> neutralLevels(const std::filesystem::path& path, int bits,
+                                  const std::string& range, const std::vector<int>& stored) {
+  const auto plane = [&](const std::vector<int>& levels) {
+    std::string row;
+    for (const int level : levels) {
+      row += static_cast<char>((level << (bits - 8)) & 255);
+      if (bits > 8)
+        row += static_cast<char>(level << (bits - 8) >> 8);
+    }
+    return row + row;
+  };
+  const std::string none = plane(std::vector<int>(stored.size(), 128));
+  writeBytes(path, fmt::format("YUV4MPEG2 W{} H2 F25:1 C444{}{}\nFRAME\n", stored.size(),
+                               bits > 8 ? fmt::format("p{}", bits) : "", range) +
+                       plane(stored) + none + none);
+  auto film = FilmReader::open(path);
+  EXPECT_TRUE(film) << (film ? "" : film.error().message);
+  const auto frame = film ? film->next() : Result<std::optional<Image>>();
+  EXPECT_TRUE(frame && *frame);
+  std::vector<double> levels;
+  for (int x = 0; frame && *frame && x < (*frame)->width; ++x)
+    levels.push_back(255 * srgbEncode((*frame)->at(x, 1, 1)));
+  return levels;
+}
+
+TEST(Film, ColoursOfTheFullRangeReachWhite) {
+  const TempFolder folder;
+  const std::vector<int> stored{0, 8, 16, 60, 128, 200, 235, 250};
+  for (const int bits : {8, 10, 12}) {
+    const double step = std::exp2(bits - 8) * 255 / (std::exp2(bits) - 1);
+    for (const char* range : {" XCOLORRANGE=FULL", " XCOLORRANGE=LIMITED"}) {
+      const auto levels = neutralLevels(folder / "a.y4m", bits, range, stored);
+      ASSERT_EQ(levels.size(), stored.size());
+      for (std::size_t i = 0; i < stored.size(); ++i) {
+        const double limited = std::clamp((stored[i] - 16) / 219.0, 0.0, 1.0) * 255;
+        EXPECT_NEAR(levels[i], std::string(range).ends_with("LIMITED") ? limited : step * stored[i],
+                    bits == 8 ? 0.5 : 0.02)
+            << bits << range << " " << stored[i];
+      }
+    }
+  }
+}
+
 /// The matrix of the track, by which its pictures are to be shown (ISO/IEC 14496-12, 8.3.2).
 void setMatrix(const std::filesystem::path& film, const std::array<int, 4>& abcd) {
   std::string bytes = readBytes(film);

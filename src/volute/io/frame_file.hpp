@@ -118,7 +118,7 @@ struct PngKind {
                                 const std::optional<Image>& alpha);
 
 /// Writes a .png of 8 bits with alpha, which does not multiply the colour (straight).
-/// @param color  linear RGB
+/// @param color  linear RGB, or one channel
 /// @param alpha  0..1, one channel
 [[nodiscard]] Status writePngWithAlpha(const std::filesystem::path& path, const Image& color,
                                        const Image& alpha, const ImageNotes& notes = {});

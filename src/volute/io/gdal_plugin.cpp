@@ -647,15 +647,46 @@ class GdalReader final : public ArrayReader {
       facts.marker = number;
   }
 
+  /// What all dimensions but that of channels are called behind the axis, as volute.xarray writes
+  /// those of a grid that lies elsewhere: "_flow" of t_flow, z_flow, .. Empty: nothing.
+  std::string commonEnding() const {
+    std::string ending;
+    for (const auto& dimension : array_->GetDimensions()) {
+      const std::string& name = dimension->GetName();
+      if (axisNamed(name) == kAxes - 1)
+        continue;
+      const std::string own = name.empty() ? "" : name.substr(1);
+      if (!own.starts_with('_') || (!ending.empty() && own != ending))
+        return {};
+      ending = own;
+    }
+    return ending;
+  }
+
+  /// By its name, or by what CF calls the axis of its coordinate; -1: unknown.
+  int axisOf(const GDALDimension& dimension, const std::string& ending) const {
+    const std::string& name = dimension.GetName();
+    int axis = axisNamed(name);
+    if (axis < 0 && !ending.empty())
+      axis = axisNamed(name.substr(0, name.size() - ending.size()));
+    ArrayPtr coordinate = axis < 0 ? dimension.GetIndexingVariable() : nullptr;
+    if (axis < 0 && !coordinate)
+      coordinate = besideOf(dimension);
+    const auto attribute = coordinate ? attributeOf(*coordinate, "axis") : nullptr;
+    const char* said = attribute ? attribute->ReadAsString() : nullptr;
+    return said && std::strlen(said) == 1 ? axisNamed(said) : axis;
+  }
+
   /// Which dimension is which axis.
   Status settleAxes(ArrayFacts& facts) {
     const auto& dimensions = array_->GetDimensions();
+    const std::string ending = commonEnding();
     std::vector<std::size_t> rest;
     std::string names, order;
     for (std::size_t i = 0; i < dimensions.size(); ++i) {
       const std::string& name = dimensions[i]->GetName();
       names += (i > 0 ? ", " : "") + name;
-      const int axis = axisNamed(name);
+      const int axis = axisOf(*dimensions[i], ending);
       if (axis < 0) {
         rest.push_back(i);
       } else if (at_[axis] >= 0) {

@@ -12,6 +12,7 @@
 #include <limits>
 
 #include "volute/image/srgb.hpp"
+#include "volute/io/frame_file.hpp"
 #include "volute/io/testing.hpp"
 
 namespace volute {
@@ -133,6 +134,27 @@ TEST(Png, PaletteAndAlpha) {
   EXPECT_EQ(alpha.channels, 3);
   EXPECT_EQ(alpha.pixels[2], 3 / 255.0f);
   EXPECT_EQ(alpha.pixels[3], 1);
+}
+
+TEST(Png, AlphaIsWrittenBesideGreyAsBesideColour) {
+  const TempFolder folder;
+  const Image alpha = makePicture(5, 4, 1, 0.5F);
+  for (const int channels : {1, 3}) {
+    const Image color = makePicture(5, 4, channels);
+    for (const int bits : {8, 16}) {
+      const auto path = folder / "a.png";
+      ASSERT_TRUE(
+          ok(bits == 8 ? writePngWithAlpha(path, color, alpha) : writePng16(path, color, alpha)));
+      ASSERT_VALUE(const auto shown, readImage(path));
+      ASSERT_VALUE(const auto seen, readAlpha(path));
+      ASSERT_EQ(shown.channels, channels);
+      ASSERT_TRUE(seen);
+      for (std::size_t i = 0; i < color.pixels.size(); ++i)
+        EXPECT_NEAR(shown.pixels[i], color.pixels[i], 6e-3) << channels << " " << bits;
+      for (std::size_t i = 0; i < alpha.pixels.size(); ++i)
+        EXPECT_NEAR(seen->pixels[i], alpha.pixels[i], 3e-3) << channels << " " << bits;
+    }
+  }
 }
 
 TEST(Png, PicturesThatAreMarkedAsTurnedAreRefused) {

@@ -308,6 +308,7 @@ bool encodePng(png_structp png, png_infop info, std::vector<png_text>& texts, Pn
   png_set_IHDR(png, info, state.width, state.height, state.bits,
                state.channels == 4   ? PNG_COLOR_TYPE_RGB_ALPHA
                : state.channels == 3 ? PNG_COLOR_TYPE_RGB
+               : state.channels == 2 ? PNG_COLOR_TYPE_GRAY_ALPHA
                                      : PNG_COLOR_TYPE_GRAY,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   if (!state.linear)
@@ -483,14 +484,16 @@ Status writePng(const std::filesystem::path& path, const Image& image, const Ima
 Status writePngWithAlpha(const std::filesystem::path& path, const Image& color, const Image& alpha,
                          const ImageNotes& notes) {
   PngState state = stateOf(color, 8);
-  state.channels = 4;
+  const auto colors = static_cast<std::ptrdiff_t>(color.channels);
+  state.channels = color.channels + 1;
   const std::vector<std::uint8_t> shown = toSrgb8(color);
   for (std::size_t i = 0; i < alpha.pixels.size(); ++i) {
-    state.pixels.insert(state.pixels.end(), &shown[3 * i], &shown[3 * i] + 3);
+    const auto from = shown.begin() + static_cast<std::ptrdiff_t>(i) * colors;
+    state.pixels.insert(state.pixels.end(), from, from + colors);
     state.pixels.push_back(
         static_cast<png_byte>(std::lround(255 * std::clamp(alpha.pixels[i], 0.0F, 1.0F))));
   }
-  layOutRows(state, std::size_t{4} * state.width);
+  layOutRows(state, static_cast<std::size_t>(state.channels) * state.width);
   return writePngState(path, state, notes);
 }
 

@@ -203,9 +203,15 @@ Status ReaderProcess::reserve(const std::string& file, std::size_t valueCount) {
       ::ftruncate(shared_, static_cast<off_t>(bytes)) == 0) {
     memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, shared_, 0);
   }
+  if (memory == MAP_FAILED && errno == EFBIG) {
+    return fail(ErrorCode::kTooLarge,
+                "{}: {} MiB of values: the limit on the size of files (ulimit -f) holds for the "
+                "memory that two processes share, too; raise it",
+                file, (bytes >> 20) + 1);
+  }
   if (memory == MAP_FAILED) {
-    return fail(ErrorCode::kTooLarge, "{}: no memory for {} MiB of values: {}", file, bytes >> 20,
-                std::strerror(errno));
+    return fail(ErrorCode::kTooLarge, "{}: no memory for {} MiB of values: {}", file,
+                (bytes >> 20) + 1, std::strerror(errno));
   }
   values_ = static_cast<float*>(memory);
   mappedBytes_ = bytes;

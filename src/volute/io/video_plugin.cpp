@@ -525,12 +525,15 @@ class AvFilmDecoder final : public FilmDecoder {
       return fail(ErrorCode::kUnsupported, "{}: an unknown pixel format", name_);
     VOLUTE_ASSIGN(const int* matrix, matrixOf(*frame_));
     // Grey is full unless it says otherwise. The scaler takes 8 bits of it as full even then, and
-    // fills up those of more bits with zeros: their range is taken after it.
+    // fills up those of more bits with zeros, as it does brightness and colour differences of the
+    // full range: their range is taken after it.
     const bool grey = described && isGrey(*described);
     const bool full = frame_->color_range == AVCOL_RANGE_JPEG;
     LevelRange range;
     if (grey)
-      range = greyRange(depth, frame_->color_range == AVCOL_RANGE_MPEG);
+      range = rangeOf(depth, frame_->color_range == AVCOL_RANGE_MPEG);
+    else if (full && deep && (described->flags & AV_PIX_FMT_FLAG_RGB) == 0)
+      range = rangeOf(depth, false);
     VOLUTE_TRY(settleColor(*frame_, deep ? 65536 : 256, range));
     sws_setColorspaceDetails(scaler_.get(), matrix, grey || full, matrix, 1, 0, 1 << 16, 1 << 16);
     if (!rgb_ || rgb_->format != rgb)
@@ -552,7 +555,7 @@ class AvFilmDecoder final : public FilmDecoder {
     bool operator==(const LevelRange&) const = default;
   };
 
-  static LevelRange greyRange(int depth, bool limited) {
+  static LevelRange rangeOf(int depth, bool limited) {
     const double bits = std::max(depth, 8), last = depth > 8 ? 65535 : 255;
     const double unit = depth > 8 ? 256 : 1;  // of 8 bits
     if (limited)

@@ -16,6 +16,7 @@
 #include "volute/io/plugin.hpp"
 #include "volute/io/raw_volume.hpp"
 #include "volute/io/surface_file.hpp"
+#include "volute/io/unread_mesh.hpp"
 
 namespace volute {
 namespace {
@@ -167,6 +168,12 @@ Result<std::unique_ptr<FrameSource>> openAny(const std::filesystem::path& input,
   if (!vdb && !vtk && isSurfacePath(input)) {
     return fail(ErrorCode::kUnsupported,
                 "{}: is geometry, not a volume; expected it in a scene, as its \"geometry\"",
+                input.string());
+  }
+  if (!vdb && !vtk && isUnreadMesh(input)) {
+    return fail(ErrorCode::kUnsupported,
+                "{}: is a mesh in a format that is not read; expected .vtu, .pvtu, .vtk, .pvd, "
+                ".case, .e or .foam, as ParaView saves it (several blocks after Merge Blocks)",
                 input.string());
   }
   if (!vdb && !vtk) {

@@ -61,6 +61,19 @@ class FirstSights : public testing::Test {
   ScratchFolder folder_;
 };
 
+TEST_F(FirstSights, AFileIsOfNoOtherKindThanItIs) {
+  Progress quiet;
+  SceneOptions options{.assume = true};
+  const std::string path = blob({1, 1});
+  for (const char* kind : {"volume", "fog"}) {
+    options.members = nlohmann::ordered_json{{"kind", kind}};
+    const auto scene = Scene::open(path, options, quiet);
+    EXPECT_EQ(scene.has_value(), std::string_view(kind) == "volume");
+    if (!scene)
+      EXPECT_THAT(scene.error().message, ::testing::HasSubstr("of kind \"volume\"; leave it out"));
+  }
+}
+
 TEST_F(FirstSights, IsAroundTheContentNotTheBounds) {
   const FirstSight sight = sightOf(blob({1, 1}));
   EXPECT_EQ(sight.time, 0);

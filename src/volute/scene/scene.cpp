@@ -176,6 +176,12 @@ Result<Scene> Scene::open(const std::string& path, const SceneOptions& options,
   const MediumKind* kind = mediumKindOf(path, options.assume);
   OrderedJson json = kind->sceneOf(std::filesystem::path(path).filename().string());
   OrderedJson& entry = json["media"][0];
+  if (const auto said = options.members->find("kind");
+      said != options.members->end() && *said != entry["kind"]) {
+    return failIn(path, "/media/0/kind", ErrorCode::kInvalidArgument,
+                  "is {}, and this is {}, of kind \"{}\"; leave it out", said->dump(),
+                  kind->singular(), kind->name());
+  }
   entry.update(*options.members);
   const std::string assumption = options.assume ? kind->assume(json) : "";
   auto scene = make(json, path, options, progress);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "volute/base/content_hash.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/io/film.hpp"
 #include "volute/io/image_file.hpp"
@@ -73,8 +74,8 @@ Result<std::unique_ptr<FilmExport>> FilmExport::begin(const FilmOrder& order,
                     (order.end - order.begin) / order.speed * order.rate < 1e6;
   if (!good)
     return fail(ErrorCode::kInvalidArgument,
-                "{}: a film of {} x {} pixels from {:g} to {:g} s cannot be made", order.target,
-                order.width, order.height, order.begin, order.end);
+                "{}: a film of {} x {} pixels from {} to {} s cannot be made", order.target,
+                order.width, order.height, plainNumber(order.begin), plainNumber(order.end));
   VOLUTE_ASSIGN(auto picture, ViewPicture::create(makers));
   return std::unique_ptr<FilmExport>(new FilmExport(order, std::move(picture)));
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/ranges.h>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/capture/open_capture.hpp"
 #include "volute/viewer/capture_document.hpp"
 #include "volute/viewer/file_dialog.hpp"
@@ -22,8 +23,9 @@ Result<std::unique_ptr<Document>> openCaptureAt(const std::string& path,
   if (options.beginAt && path == options.file && n > 1 &&
       *options.beginAt > 2 * times[n - 1] - times[n - 2]) {
     return failFor("time", ErrorCode::kInvalidArgument,
-                   "{:g} s is past the end: {} has {} frames from {:g} to {:g} s", *options.beginAt,
-                   path, n, times.front(), times.back());
+                   "{} s is past the end: {} has {} frames from {} to {} s",
+                   plainNumber(*options.beginAt), path, n, plainNumber(times.front()),
+                   plainNumber(times.back()));
   }
   return document;
 }

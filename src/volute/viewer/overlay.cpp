@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/viewer/imgui_spellings.hpp"
 #include "volute/viewer/panels.hpp"
 
@@ -110,7 +111,8 @@ void drawRuler(ViewerApp& app, const Camera& camera, const Lines& lines) {
       along = 0;
   }
   const std::string text =
-      fmt::format("{:.4g} m\nx {:.4g}  y {:.4g}  z {:.4g}", way.norm(), way.x(), way.y(), way.z());
+      fmt::format("{} m\nx {}  y {}  z {}", plainNumber(way.norm(), 4), plainNumber(way.x(), 4),
+                  plainNumber(way.y(), 4), plainNumber(way.z(), 4));
   ImDrawList* list = ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
   const ImVec2 corner{static_cast<float>(at->x()) + 12, static_cast<float>(at->y()) - size.y / 2};

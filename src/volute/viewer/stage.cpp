@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/image/colormap.hpp"
 #include "volute/viewer/error_text.hpp"
 #include "volute/viewer/panels.hpp"
@@ -341,7 +342,9 @@ void drawProbe(ViewerApp& app, const ViewerInput& input) {
     ImGui::TextUnformatted(
         std::filesystem::path(document.info()->path).filename().string().c_str());
   const Vec3& p = probe->place;
-  ImGui::Text("x %.4g  y %.4g  z %.4g m", p.x(), p.y(), p.z());
+  ImGui::TextUnformatted(fmt::format("x {}  y {}  z {} m", plainNumber(p.x(), 4),
+                                     plainNumber(p.y(), 4), plainNumber(p.z(), 4))
+                             .c_str());
   ImGui::TextDisabled("%s",
                       tr(probe->onSurface ? "on a surface" : "where most of the light comes from"));
   for (const auto& medium : probe->media) {

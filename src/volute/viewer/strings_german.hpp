@@ -146,7 +146,7 @@ inline constexpr std::pair<std::string_view, const char*> kGermanStrings[] = {
      "Tafel "
      "Szene"},
     {" (no. {})", " (Nr. {})"},
-    {"the picture is of {:.4g} s", "das Bild ist von {:.4g} s"},
+    {"the picture is of {} s", "das Bild ist von {} s"},
     {"not drawn with the same {}", "nicht mit demselben Wert gezeichnet: {}"},
     {"each is drawn with a look of its own", "jede ist auf ihre eigene Art gezeichnet"},
     {"there is no graphics card", "es gibt keine Grafikkarte"},

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/viewer/panels.hpp"
 
 namespace volute {
@@ -124,10 +125,10 @@ void loopPart(ViewerApp& app, float width) {
 
   enum : int { kShown, kFromHere, kToHere, kAll };
 
-  const std::string shown =
-      timeline.loopsPart()
-          ? fmt::format("{:.4g} - {:.4g} s", timeline.loopBegin(), timeline.loopEnd())
-          : std::string("all frames");
+  const std::string shown = timeline.loopsPart()
+                                ? fmt::format("{} - {} s", plainNumber(timeline.loopBegin(), 4),
+                                              plainNumber(timeline.loopEnd(), 4))
+                                : std::string("all frames");
   const std::string choices[] = {shown, "loop from here", "loop to here", "all frames"};
   int chosen = kShown;
   ImGui::SetNextItemWidth(width);

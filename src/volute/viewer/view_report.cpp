@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "volute/base/input_file.hpp"
+#include "volute/base/plain_number.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/base/version.hpp"
 #include "volute/io/image_file.hpp"
@@ -26,7 +27,7 @@ std::string valueOf(const Parameter& parameter) {
     return parameter.choices[choice];
   std::string text;
   for (const double value : parameter.value)
-    text += fmt::format("{}{:.6g}", text.empty() ? "" : ", ", value);
+    text += (text.empty() ? "" : ", ") + plainNumber(value);
   return parameter.unit.empty() ? text : text + " " + parameter.unit;
 }
 
@@ -140,16 +141,16 @@ void ViewReport::begin(Image picture) {
   if (!document_.info() || job_)
     return;
   const auto point = [](const Vec3& v) {
-    return fmt::format("{:.6g}, {:.6g}, {:.6g}", v.x(), v.y(), v.z());
+    return fmt::format("{}, {}, {}", plainNumber(v.x()), plainNumber(v.y()), plainNumber(v.z()));
   };
   const StartView view = view_.camera().view();
   std::error_code gone;  // then writing says so
   ReportOrder order{freeReportName(std::filesystem::current_path(gone)), std::move(picture)};
-  order.view = {{"time", fmt::format("{:.6g} s", playback_.timeline().snapshotTime())},
+  order.view = {{"time", plainNumber(playback_.timeline().snapshotTime()) + " s"},
                 {"eye", point(view.eye)},
                 {"target", point(view.target)},
                 {"up", point(view.up)},
-                view.ortho > 0 ? std::pair("ortho", fmt::format("{:.6g} m", view.ortho))
+                view.ortho > 0 ? std::pair("ortho", plainNumber(view.ortho) + " m")
                                : std::pair("fov", fmt::format("{:.6g} degrees", view.fov)),
                 {"exposure", fmt::format("{:.6g}", view_.display().exposure)},
                 {"tone", view_.display().view ? view_.display().view->name()

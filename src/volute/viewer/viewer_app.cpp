@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "volute/base/plain_number.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/base/thread_priority.hpp"
 #include "volute/scene/scene.hpp"
@@ -260,7 +261,8 @@ WorkNotes::Seen ViewerApp::seenWork() const {
       !moving_ && scene && picture.shown() &&
       (failed || picture.state().stale || std::abs(picture.state().time - scene->time) > 1e-9);
   if (failed && !document_.error().empty())
-    seen.lack = fmt::format(fmt::runtime(tr("the picture is of {:.4g} s")), scene->time);
+    seen.lack =
+        fmt::format(fmt::runtime(tr("the picture is of {} s")), plainNumber(scene->time, 4));
   return seen;
 }
 

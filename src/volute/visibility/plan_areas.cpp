@@ -185,10 +185,14 @@ class AreaReport {
                       {"known", worst.unknown == 0},
                       {"value", nullptr},
                       {"rset", nullptr}};
-    if (worst.place) {
+    if (worst.unknown == 0 && worst.place) {
       json["margin"]["value"] = jsonNumber(found_.margins->margin[*worst.place]);
       json["margin"]["rset"] = jsonNumber(found_.margins->rset[*worst.place]);
+    } else if (worst.needed > 0) {
+      json["margin"]["rset"] = jsonNumber(found_.margins->longest(people));
     }
+    if (worst.unknown > 0 && worst.place && std::isfinite(found_.margins->margin[*worst.place]))
+      json["margin"]["at_most"] = found_.margins->margin[*worst.place];
     return json;
   }
 
@@ -233,8 +237,11 @@ class AreaReport {
       return "; nobody needs it";
     if (worst.unknown > 0)
       return fmt::format(
-          "; its margin is not known at {} of the points in use",
-          percentWords(static_cast<double>(worst.unknown) / static_cast<double>(worst.needed)));
+          "; its margin is not known at {} of the points in use{}",
+          percentWords(static_cast<double>(worst.unknown) / static_cast<double>(worst.needed)),
+          worst.tooLate == 0 ? ""
+                             : fmt::format(", and {} s at others: too late",
+                                           plainNumber(margins.margin[*worst.place], 4)));
     const double least = margins.margin[*worst.place];
     if (std::isinf(least))
       return "; nobody is there afterwards";
@@ -259,6 +266,11 @@ std::string timeCell(const Json& verdict) {
                                  ? ", at the latest " + htmlOf(verdict["at_the_latest"])
                                  : "";
   return (known == false ? "<b>not known</b>" : "<b>not known</b> after " + htmlOf(known)) + latest;
+}
+
+std::string unknownMargin(const Json& margin) {
+  return "<b>not known</b>" +
+         (margin.contains("at_most") ? ", at most " + htmlOf(margin["at_most"]) : std::string());
 }
 
 std::string areaTable(const Json& areas, bool margins) {
@@ -287,7 +299,7 @@ std::string areaTable(const Json& areas, bool margins) {
     if (margins) {
       const Json& margin = area["margin"];
       row.push_back(htmlOf(margin["rset"]));
-      row.push_back(margin["known"] == false       ? "<b>not known</b>"
+      row.push_back(margin["known"] == false       ? unknownMargin(margin)
                     : margin["points_needed"] == 0 ? "\u2013"
                     : margin["value"].is_null()    ? "not reached"
                                                    : htmlOf(margin["value"]));
@@ -309,7 +321,7 @@ std::string csvOf(const Json& areas) {
   const auto number = [](const Json& json) { return json.is_number() ? json.dump() : ""; };
   std::string text =
       "name,kind,storey,floor_area,points,people,aset,aset_known,aset_at_the_latest,aset_latest,by,"
-      "x,y,z,rset,margin,margin_known";
+      "x,y,z,rset,margin,margin_known,margin_at_most";
   if (!areas.empty()) {
     for (const Json& one : areas[0]["criteria"]) {
       const std::string name = one["criterion"].get<std::string>();
@@ -330,10 +342,11 @@ std::string csvOf(const Json& areas) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       text += "," + (aset.contains("position") ? aset["position"][axis].dump() : "");
     if (area.contains("margin")) {
-      text += fmt::format(",{},{},{}", number(area["margin"]["rset"]),
-                          number(area["margin"]["value"]), knownCell(area["margin"]["known"]));
+      const Json& margin = area["margin"];
+      text += fmt::format(",{},{},{},{}", number(margin["rset"]), number(margin["value"]),
+                          knownCell(margin["known"]), number(margin.value("at_most", Json())));
     } else {
-      text += ",,,";
+      text += ",,,,";
     }
     for (const Json& one : area["criteria"])
       text += "," + number(one["time"]) + "," + knownCell(one["known"]) + "," +
@@ -464,6 +477,12 @@ PlanMargins::Worst PlanMargins::worst(std::span<const std::size_t> places) const
     }
   }
   return worst;
+}
+
+double PlanMargins::longest(std::span<const std::size_t> places) const {
+  double longest = std::numeric_limits<double>::quiet_NaN();
+  for (const std::size_t i : places) longest = std::fmax(longest, rset[i]);
+  return longest;
 }
 
 PlanMargins planMargins(std::vector<double> rset, const LossTimes& aset, RoundTime round,

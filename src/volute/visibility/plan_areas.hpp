@@ -66,6 +66,9 @@ struct PlanMargins {
   };
 
   Worst worst(std::span<const std::size_t> places) const;
+
+  /// The largest RSET of some places [s]; NaN: nobody is at any.
+  double longest(std::span<const std::size_t> places) const;
 };
 
 /// @param aset  of all criteria; `end` is the last time that is looked at

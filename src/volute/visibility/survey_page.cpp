@@ -199,7 +199,8 @@ std::string summaryPlot(const Json& report) {
   if (times.size() < 2)
     return "";
   lines.insert(lines.begin(), any);
-  return linePlot("Share of the eyes that see a sign", "time [s]", "share", times, lines);
+  return "<h2>Signs over time</h2>\n" +
+         linePlot("Share of the eyes that see a sign", "time [s]", "share", times, lines);
 }
 
 constexpr const char* kLimits =
@@ -244,7 +245,7 @@ std::string heightsTable(std::span<const double> heights, std::span<const Survey
     if (all == verdict.end())
       return "";
     const bool known = (*all)["known"] == true, reached = (*all)["time"].is_number();
-    rows.push_back({fmt::format("{:g}", heights[i]),
+    rows.push_back({plainNumber(heights[i]),
                     !known    ? "not known"
                     : reached ? htmlOf((*all)["time"], "{:.4g}")
                               : "not reached",

@@ -100,6 +100,11 @@ Status runSweep(const Arguments& arguments, Context& context) {
                            return surveyOf(run, target, context);
                          }));
   VOLUTE_TRY(writeStats(arguments, context, {{"runs", study.runs.size()}}));
+  if (found.failed > 0 && context.team.leads() && !choice.only) {
+    context.progress.remark(
+        {RemarkCode::kLeftOut, fmt::format("{} of {} runs failed: {} says why", found.failed,
+                                           study.runs.size(), (folder / "study.csv").string())});
+  }
   Report report;
   report.add("output", folder.string());
   if (!choice.only)
@@ -135,7 +140,8 @@ Command sweepCommand() {
           "differences to the baseline and of the spread over all runs with the same plan, for "
           "each height of the eyes. The same command continues after an interruption: finished, "
           "unchanged runs are kept. A failed run has an error message in the table; the others "
-          "continue. --part I/N does every N-th run, for several processes or machines that "
+          "continue, and the exit code is 1 where none could be done. --part I/N does every N-th "
+          "run, for several processes or machines that "
           "share the folder; run once more without --part for the whole table. Schedulers "
           "without MPI select runs by number: --list shows them, --only I does one, and the "
           "same command without it, when all are done, writes the table. Ranks (mpirun) share "
