@@ -492,7 +492,9 @@ MeshSource MeshSource::of(std::shared_ptr<const MemoryMesh> mesh, const std::fil
 }
 
 Result<MeshSource> MeshSource::withField(const std::string& field, Negatives negatives) const {
-  const MeshOptions options{field, negatives, options_.maxMemory};
+  MeshOptions options{field, negatives, options_.maxMemory};
+  if (field == (options_.field.empty() ? settledField_ : options_.field))
+    options.mean = options_.mean;
   if (!memory_)
     return open(path_, options);
   MeshSource source = of(memory_, path_, options);
@@ -799,7 +801,7 @@ Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
   return {};
 }
 
-Result<MeshFrame> MeshSource::read(std::size_t frame) {
+Result<MeshFrame> MeshSource::read(std::size_t frame, std::span<const float> weights) {
   VOLUTE_ASSERT(frame < locations_.size());
   const std::string file = locations_[frame].file.string();
   auto read = dataOf(frame, options_.field.empty() ? settledField_ : options_.field);
@@ -835,7 +837,10 @@ Result<MeshFrame> MeshSource::read(std::size_t frame) {
   }
   out.mesh = mesh_;
   if (data.ofCells) {
-    out.values = cellToPoint(*mesh_, data.values, cellOf_);
+    VOLUTE_ASSERT(weights.empty() || weights.size() == data.values.size());
+    out.values = cellToPoint(*mesh_, data.values, cellOf_, options_.mean, weights);
+    if (options_.keepsCells)
+      out.cells = std::move(data.values);
   } else {
     const std::vector<float> values = added_.follow(std::move(data.values));
     out.values.reserve(vertexFrom_.size());

@@ -26,10 +26,11 @@ struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
   std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
   std::string field;
-  std::string others;        ///< other available fields, as readable text
-  std::size_t clamped = 0;   ///< negative values that were set to 0
-  bool ofCells = false;      ///< the file has cell values, which were converted to point values
-  std::uint64_t ghosts = 0;  ///< cells that the file marks as ghosts, which are left out
+  std::string others;          ///< other available fields, as readable text
+  std::size_t clamped = 0;     ///< negative values that were set to 0
+  bool ofCells = false;        ///< the file has cell values, which were converted to point values
+  std::vector<float> cells{};  ///< these, as the file has them, where they are asked for
+  std::uint64_t ghosts = 0;    ///< cells that the file marks as ghosts, which are left out
   /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
   std::optional<std::array<double, 7>> dimensions{};
 };
@@ -41,6 +42,8 @@ struct MeshOptions {
   std::uint64_t perTet = 0;  ///< additional bytes of maxMemory that the caller needs per tet
   std::string alsoField{};   ///< one that is read from the same times; frames without it are absent
   MeshShare share{};         ///< of the pieces of a .pvtu; shared points are in each piece
+  CellMean mean = CellMean::kValues;  ///< what is conserved where values of cells go to points
+  bool keepsCells = false;            ///< frames have their values of cells too
 };
 
 /// The contents of a case at one stored time, for all its fields.
@@ -80,8 +83,9 @@ class MeshSource {
   /// in ascending order of these, as for volumes; else its position.
   int numberOf(std::size_t frame) const { return numbers_[frame]; }
 
-  /// Reads one frame. Frames with equal cells share a mesh.
-  [[nodiscard]] Result<MeshFrame> read(std::size_t frame);
+  /// Reads one frame. Frames with equal cells share a mesh. Where values are of cells, points get
+  /// the mean by volume times `weights`, one for each cell; empty: all are 1.
+  [[nodiscard]] Result<MeshFrame> read(std::size_t frame, std::span<const float> weights = {});
 
   /// The contents of one frame. Fails if the file cannot be read; that a mesh cannot be used is
   /// part of the description.

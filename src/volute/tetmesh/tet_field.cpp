@@ -33,18 +33,25 @@ Result<std::size_t> checkField(std::span<float> values, Negatives negatives,
 }
 
 std::vector<float> cellToPoint(const TetMesh& mesh, std::span<const float> cellValues,
-                               std::span<const std::int32_t> cellOf) {
+                               std::span<const std::int32_t> cellOf, CellMean mean,
+                               std::span<const float> weights) {
+  const bool inverses = mean == CellMean::kInverses;
   std::vector<double> sum(mesh.vertices().size(), 0), weight(mesh.vertices().size(), 0);
   for (std::size_t t = 0; t < mesh.tets().size(); ++t) {
-    const double volume = mesh.volume(static_cast<std::int32_t>(t));
-    const double value = cellValues[cellOf.empty() ? t : static_cast<std::size_t>(cellOf[t])];
+    const std::size_t cell = cellOf.empty() ? t : static_cast<std::size_t>(cellOf[t]);
+    const double volume = mesh.volume(static_cast<std::int32_t>(t)) *
+                          (weights.empty() ? 1.0 : static_cast<double>(weights[cell]));
+    const double value = cellValues[cell];
     for (const std::int32_t v : mesh.tets()[t]) {
-      sum[v] += volume * value;
+      sum[v] += inverses ? volume / value : volume * value;
       weight[v] += volume;
     }
   }
   std::vector<float> values(sum.size());
-  for (std::size_t v = 0; v < sum.size(); ++v) values[v] = static_cast<float>(sum[v] / weight[v]);
+  for (std::size_t v = 0; v < sum.size(); ++v) {
+    const double whole = inverses ? weight[v] / sum[v] : sum[v] / weight[v];
+    values[v] = static_cast<float>(weight[v] == 0 ? 0 : whole);
+  }
   return values;
 }
 

@@ -109,6 +109,13 @@ TEST(TetField, AveragesCellsByVolume) {
   EXPECT_FLOAT_EQ(points[0], 3);
   EXPECT_FLOAT_EQ(points[4], 6);
   EXPECT_FLOAT_EQ(points[1], (3 * 1 + 6 * 2) / 3.0F);  // volumes 1/6 and 2/6
+  const auto inverses = cellToPoint(*mesh, cells, {}, CellMean::kInverses);
+  EXPECT_FLOAT_EQ(inverses[0], 3);
+  EXPECT_FLOAT_EQ(inverses[1], 1 / ((1 / 3.0F + 2 / 6.0F) / 3));
+  const float weights[] = {4, 1}, none[] = {0, 0};
+  const auto weighted = cellToPoint(*mesh, cells, {}, CellMean::kValues, weights);
+  EXPECT_FLOAT_EQ(weighted[1], (3 * 4 + 6 * 2) / 6.0F);
+  EXPECT_EQ(cellToPoint(*mesh, cells, {}, CellMean::kValues, none)[1], 0);
 }
 
 RC_GTEST_PROP(TetMesh, SlopesGiveGradientsOfAffineFields, ()) {

@@ -65,6 +65,22 @@ Result<std::string> compareDensity(const SmokeDescription& description,
               field, textOfDimensions(stated), textOfDimensions(kDensity));
 }
 
+/// Smoke is conserved: cells of the visibility C / K go to points as K does.
+CellMean meanFor(const SmokeDescription& smoke) {
+  return smoke.model.quantity == SmokeQuantity::kVisibility ? CellMean::kInverses
+                                                            : CellMean::kValues;
+}
+
+/// Both are read by the number of a time; in an EnSight case each field may have its own.
+Status checkTimes(const MeshSource& source, const MeshSource& density,
+                  const SmokeDescription& description) {
+  if (std::ranges::equal(source.times(), density.times()))
+    return {};
+  return fail(ErrorCode::kUnsupported, {Hint::set("density_field")},
+              "{}: field '{}' is at other times than the smoke; expected the same times",
+              description.file, description.densityField);
+}
+
 std::vector<float> between(const std::vector<float>& a, const std::vector<float>& b, double share) {
   std::vector<float> out(a.size());
   interpolateFields(a, b, share, out);
@@ -81,6 +97,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   if (!how.sightOnly)
     options.perTet = kPerTet;
   options.alsoField = description.densityField;
+  options.mean = meanFor(description);
   Team* const team = how.team;
   if (team)
     options.share = {team->rank(), team->size()};
@@ -88,7 +105,9 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
   auto files = std::make_shared<Files>(Files{std::move(source)});
   if (!description.densityField.empty()) {
     options.alsoField = std::exchange(options.field, description.densityField);
+    options.keepsCells = true;
     VOLUTE_ASSIGN(files->densitySource, openMesh(description.file, options, reading));
+    VOLUTE_TRY(checkTimes(files->source, *files->densitySource, description));
   }
   if (const std::string absent = files->source.absentText(); !absent.empty())
     reading.progress.remark(
@@ -148,7 +167,7 @@ Result<std::shared_ptr<SmokeMedium>> SmokeMedium::open(
 
 bool SmokeMedium::readsTheSame(const SmokeDescription& a, const SmokeDescription& b) {
   return a.file == b.file && a.field == b.field && a.densityField == b.densityField &&
-         a.negatives == b.negatives;
+         a.negatives == b.negatives && meanFor(a) == meanFor(b);
 }
 
 Result<std::shared_ptr<SmokeMedium>> SmokeMedium::with(
@@ -386,13 +405,15 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
   }
   auto stored = std::make_shared<Stored>();
   stored->index = index;
-  VOLUTE_ASSIGN(stored->frame, files_->source.read(index));
-  const MeshFrame& frame = stored->frame;
+  std::vector<float> gasOfCells;  // the mean of cells is of what they have of both
   if (files_->densitySource) {
     VOLUTE_ASSIGN(auto density, files_->densitySource->read(index));
     stored->gas = std::move(density.values);
     stored->gasDimensions = density.dimensions;
+    gasOfCells = std::move(density.cells);
   }
+  VOLUTE_ASSIGN(stored->frame, files_->source.read(index, gasOfCells));
+  const MeshFrame& frame = stored->frame;
   for (const auto& other : held) {
     if (other->frame.mesh == frame.mesh)
       stored->paths = other->paths, stored->meshHash = other->meshHash;

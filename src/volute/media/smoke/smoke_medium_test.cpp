@@ -155,6 +155,58 @@ TEST_F(SmokeMediumTest, AMeshInMemoryHasAirAsItsFileWould) {
   EXPECT_NEAR((*fields)[1].values.at(0), 302.5, 1e-3);
 }
 
+/// A layer of hot smoke: visibility, and mass fraction times density, have large steps between
+/// cells.
+TEST_F(SmokeMediumTest, CellsGoToPointsAsExtinction) {
+  MemoryMesh mesh = inMemory();
+  MemoryMesh::Field visibility{"visibility", true, {{}, {}}}, extinction{"K", true, {{}, {}}};
+  MemoryMesh::Field soot{"soot", true, {{}, {}}}, rho{"rho", true, {{}, {}}};
+  MemoryMesh::Field product{"product", true, {{}, {}}};
+  for (std::size_t cell = 0; cell < mesh.cells.shapes.size(); ++cell) {
+    double z = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto corner = mesh.cells.connectivity[4 * cell + k];
+      z += mesh.cells.vertices[static_cast<std::size_t>(corner)].z() / 4;
+    }
+    const bool hot = z > 2;
+    for (const std::size_t time : {0U, 1U}) {
+      const float metres = hot ? 1 : 30, gas = hot ? 0.4F : 1.2F, share = hot ? 1e-3F : 0;
+      visibility.values[time].push_back(metres);
+      extinction.values[time].push_back(3 / metres);
+      soot.values[time].push_back(share);
+      rho.values[time].push_back(gas);
+      product.values[time].push_back(share * gas);
+    }
+  }
+  mesh.fields = {visibility, extinction, soot, rho, product};
+  MemoryVolumes volumes;
+  ASSERT_TRUE(volumes.add("room", mesh));
+  reading_.volumes = &volumes;
+  lighting_.lights.lamps.clear();
+  smoke_.file = "memory:room.vtu";
+  const auto of = [&](SmokeQuantity quantity, const std::string& field, double scale = 1) {
+    smoke_.model.quantity = quantity, smoke_.field = field;
+    smoke_.model.scale = scale;
+    smoke_.densityField = quantity == SmokeQuantity::kMassFraction ? "rho" : "";
+    const auto smoke = opened(smoke_);
+    EXPECT_TRUE(smoke) << smoke.error().message;
+    return (*smoke)->stateAt(1, quiet_)->extinction;
+  };
+  const auto expectNear = [](const std::vector<float>& found, const std::vector<float>& right) {
+    ASSERT_EQ(found.size(), right.size());
+    for (std::size_t i = 0; i < found.size(); ++i)
+      EXPECT_NEAR(found[i], right[i], 1e-5F * right[i]);
+  };
+  const auto right = of(SmokeQuantity::kExtinction, "K");
+  expectNear(of(SmokeQuantity::kVisibility, "visibility"), right);
+  expectNear(of(SmokeQuantity::kVisibility, "visibility", 0.5),
+             of(SmokeQuantity::kExtinction, "K", 2));
+  expectNear(of(SmokeQuantity::kMassFraction, "soot"), of(SmokeQuantity::kSootDensity, "product"));
+  SmokeDescription other = smoke_;
+  other.model.quantity = SmokeQuantity::kVisibility;
+  EXPECT_FALSE(SmokeMedium::readsTheSame(smoke_, other)) << "its cells go to points otherwise";
+}
+
 TEST_F(SmokeMediumTest, WhatIsNoMeshInMemoryIsRefused) {
   MemoryVolumes volumes;
   const auto wrong = [&](auto&& change) {
