@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cctype>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include "volute/base/input_file.hpp"
@@ -330,6 +332,53 @@ Status checkFoamMesh(const std::filesystem::path& casePath) {
                 casePath.string(), fmt::join(regions, ", "));
   }
   return {};
+}
+
+bool FoamPatch::isWall() const {
+  constexpr std::string_view kOpen[] = {"yclic",    "processor", "empty",       "wedge",
+                                        "symmetry", "overset",   "nonConformal"};
+  return std::ranges::none_of(
+      kOpen, [&](std::string_view open) { return type.find(open) != std::string::npos; });
+}
+
+std::vector<FoamPatch> foamPatches(const std::filesystem::path& casePath, double time) {
+  constexpr unsigned kMost = 4 << 20;  // bytes
+  const auto folder = caseFolder(casePath);
+  auto file = present(folder / "constant" / "polyMesh" / "boundary");
+  for (const double own : timesIn(folder)) {
+    const auto at = own <= time ? folderAt(casePath, own) : std::nullopt;
+    const auto later = at ? present(*at / "polyMesh" / "boundary") : std::nullopt;
+    if (later)
+      file = later;
+  }
+  std::vector<FoamPatch> patches;
+  std::string text = file ? withoutComments(beginOf(*file, kMost)) : "";
+  std::vector<std::string> words;
+  constexpr std::string_view kMarks = "{}();";
+  std::string word;
+  for (const char c : text + ' ') {
+    const bool mark = kMarks.find(c) != kMarks.npos;
+    if (!mark && std::isspace(static_cast<unsigned char>(c)) == 0) {
+      if (c != '"')
+        word += c;
+      continue;
+    }
+    if (!word.empty())
+      words.push_back(std::exchange(word, ""));
+    if (mark)
+      words.emplace_back(1, c);
+  }
+  int depth = 0;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (words[i] == "}")
+      --depth;
+    else if (words[i] == "{" && ++depth == 1)
+      patches.push_back({words[i - 1], ""});
+    else if (depth == 1 && words[i] == "type" && i + 1 < words.size() && !patches.empty())
+      patches.back().type = words[i + 1];
+  }
+  std::erase_if(patches, [](const FoamPatch& one) { return one.name == "FoamFile"; });
+  return patches;
 }
 
 std::vector<Remark> foamRemarks(const std::filesystem::path& casePath) {

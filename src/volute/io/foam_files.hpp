@@ -43,6 +43,19 @@ using FoamDimensions = std::array<double, 7>;
 /// run or in regions alone, and says how to put it together.
 [[nodiscard]] Status checkFoamMesh(const std::filesystem::path& casePath);
 
+/// A part of the boundary of a mesh.
+struct FoamPatch {
+  std::string name;
+  std::string type;  ///< "wall", "patch", "cyclic"; empty: not stated
+
+  /// Whether nothing goes through it: no pair of patches, part of a parallel run or symmetry is.
+  bool isWall() const;
+};
+
+/// Those that the mesh of a time [s] states; empty: none can be read.
+[[nodiscard]] std::vector<FoamPatch> foamPatches(const std::filesystem::path& casePath,
+                                                 double time);
+
 /// What a case has besides what is read of it: times of a parallel run, regions, clouds.
 [[nodiscard]] std::vector<Remark> foamRemarks(const std::filesystem::path& casePath);
 

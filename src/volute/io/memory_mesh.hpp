@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: The Volute authors
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct MemoryMesh {
   CellSoup cells;
   std::vector<double> times{0};  ///< [s], ascending
   std::vector<Field> fields;
+  std::uint64_t ghosts = 0;  ///< cells that were marked as such, and left out
 
   /// kInvalidArgument, with the name of the mesh: no times or fields, times that do not ascend,
   /// fields of one name or of other numbers of values than there are times, vertices or cells.

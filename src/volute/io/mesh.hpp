@@ -35,6 +35,7 @@ struct MeshSize {
   std::uint64_t points = 0;
   std::uint64_t cells = 0;  ///< those with a volume
   std::uint64_t indices = 0;
+  std::uint64_t walls = 0;   ///< triangles of them
   bool bare = false;         ///< without a field
   std::uint64_t ghosts = 0;  ///< cells that are marked as ghosts, which are left out
   /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
@@ -49,7 +50,7 @@ struct MeshSize {
     field[kMaxName] = '\0';
     others[kMaxName] = '\0';
     constexpr std::uint64_t kMax = std::uint64_t{1} << 40;
-    return points < kMax && cells < kMax && indices < kMax;
+    return points < kMax && cells < kMax && indices < kMax && walls < kMax;
   }
 };
 
@@ -74,12 +75,17 @@ struct MeshContents {
   std::array<std::uint64_t, 5> shapes{};      ///< how many cells of each CellShape
   std::uint64_t surfaces = 0;                 ///< cells without a volume, which are left out
   std::int32_t blocks = 1;                    ///< joined to one mesh
+  std::uint64_t walls = 0;                    ///< faces of walls with cells on both sides
   char partial[MeshSize::kMaxName + 1] = {};  ///< fields that not all blocks have, for people
 };
+
+/// Three vertices of a wall with cells on both sides, which have vertices of their own there.
+using WallCorners = std::array<std::int64_t, 3>;
 
 /// Cells and one field of a file.
 struct MeshData {
   CellSoup soup;
+  std::vector<WallCorners> walls{};
   std::vector<float> values;
   bool ofCells = false;
   std::string field;

@@ -287,6 +287,90 @@ TEST(MeshCases, WhatAnOpenFoamCaseHasBesidesIsTold) {
               HasSubstr("its meshes are of regions (gas, wall)"));
 }
 
+/// What createBaffles does to the face between the two hexahedra.
+void makeBaffle(const std::filesystem::path& folder, std::string_view type) {
+  const auto mesh = folder / "constant" / "polyMesh";
+  std::string faces = readBytes(mesh / "faces");
+  const std::string between = "4(1 4 10 7)\n";
+  faces.replace(faces.find("11\n("), 4, "12\n(");
+  faces.erase(faces.find(between), between.size());
+  faces.insert(faces.rfind(')'), between + "4(1 7 10 4)\n");
+  writeBytes(mesh / "faces", faces);
+  writeBytes(mesh / "owner",
+             foamHead("labelList", "owner") + "12\n(\n0\n1\n0\n1\n0\n1\n0\n1\n0\n1\n0\n1\n)\n");
+  writeBytes(mesh / "neighbour", foamHead("labelList", "neighbour") + "0\n(\n)\n");
+  writeBytes(mesh / "boundary",
+             foamHead("polyBoundaryMesh", "boundary") +
+                 fmt::format("2\n(\nwalls\n{{\n type wall;\n nFaces 10;\n startFace 0;\n}}\n"
+                             "screen // a door leaf\n{{\n type {}; inGroups 1(wall);\n nFaces 2;\n "
+                             "startFace 10;\n}}\n)\n",
+                             type));
+}
+
+TEST(MeshCases, BafflesOfOpenFoamAreWalls) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  ASSERT_VALUE(auto plain, MeshSource::open(folder / "box.foam"));
+  ASSERT_VALUE(const auto open, plain.read(0));
+  EXPECT_EQ(open.walls, nullptr);
+  makeBaffle(folder.path(), "wall");
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.foam"));
+  ASSERT_VALUE(const auto frame, source.read(0));
+  ASSERT_NE(frame.walls, nullptr);
+  EXPECT_EQ(frame.walls->size(), 2);
+  for (const ThinWall& wall : *frame.walls) {
+    for (const Vec3& corner : wall) EXPECT_EQ(corner.x(), 1);
+  }
+  // Each side has its own points and its own smoke.
+  ASSERT_EQ(frame.mesh->vertices().size(), 16);
+  for (std::size_t i = 0; i < frame.values.size(); ++i) {
+    const double x = frame.mesh->vertices()[i].x();
+    if (x != 1)
+      EXPECT_EQ(frame.values[i], x < 1 ? 1 : 2);
+    else
+      EXPECT_TRUE(frame.values[i] == 1 || frame.values[i] == 2) << frame.values[i];
+  }
+  ASSERT_VALUE(const auto described, source.describe(0));
+  EXPECT_EQ(described.contents.walls, 1);
+  const TetLocator locator(frame.mesh, frame.walls);
+  const Segment through{Vec3(0.5, 0.3, 0.4), Vec3(1, 0, 0), 0, 1},
+      beside{Vec3(0.5, 0.3, 0.4), Vec3(0, 1, 0), 0, 0.5};
+  ASSERT_TRUE(locator.wallOn(through));
+  EXPECT_NEAR(*locator.wallOn(through), 0.5, 1e-9);
+  EXPECT_FALSE(locator.wallOn(beside));
+  EXPECT_FALSE(locator.wallOn({through.origin, through.direction, 0, 0.5})) << "ends on it";
+  EXPECT_TRUE(locator.isOnWall(Vec3(1, 0.2, 0.2)));
+  EXPECT_FALSE(locator.isOnWall(Vec3(1.001, 0.2, 0.2)));
+  // What lets through is none.
+  makeBaffle(folder.path(), "cyclic");
+  ASSERT_VALUE(auto pair, MeshSource::open(folder / "box.foam"));
+  ASSERT_VALUE(const auto passable, pair.read(0));
+  EXPECT_EQ(passable.walls, nullptr);
+  EXPECT_EQ(passable.mesh->vertices().size(), 12);
+}
+
+/// The same with points of each side's own (mergeOrSplitBaffles -split).
+TEST(MeshCases, SplitBafflesOfOpenFoamAreWalls) {
+  const TempFolder folder;
+  writeFoam(folder.path());
+  makeBaffle(folder.path(), "wall");
+  const auto mesh = folder / "constant" / "polyMesh";
+  std::string points = readBytes(mesh / "points");
+  points.replace(points.find("12\n("), 4, "16\n(");
+  points.insert(points.rfind(')'), "(1 0 0)\n(1 1 0)\n(1 0 1)\n(1 1 1)\n");  // 12 to 15
+  writeBytes(mesh / "points", points);
+  std::string faces = foamHead("faceList", "faces") +
+                      "12\n(\n4(0 6 9 3)\n4(2 5 11 8)\n4(0 1 7 6)\n4(12 2 8 14)\n"
+                      "4(3 9 10 4)\n4(13 15 11 5)\n4(0 3 4 1)\n4(12 13 5 2)\n4(6 7 10 9)\n"
+                      "4(14 8 11 15)\n4(1 4 10 7)\n4(12 14 15 13)\n)\n";
+  writeBytes(mesh / "faces", faces);
+  ASSERT_VALUE(auto source, MeshSource::open(folder / "box.foam"));
+  ASSERT_VALUE(const auto frame, source.read(0));
+  ASSERT_NE(frame.walls, nullptr);
+  EXPECT_EQ(frame.walls->size(), 2);
+  EXPECT_EQ(frame.mesh->vertices().size(), 16);
+}
+
 TEST(MeshCases, OtherFieldsOfOpenFoamMaySayWhatVtkDoesNotRead) {
   const TempFolder folder;
   writeFoam(folder.path());

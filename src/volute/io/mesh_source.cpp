@@ -54,7 +54,7 @@ struct Bytes {
 std::size_t floatsFor(const MeshSize& size) {
   const std::uint64_t bytes = size.points * sizeof(Vec3) + size.cells * sizeof(CellShape) +
                               (size.cells + 1 + size.indices) * sizeof(std::int64_t) +
-                              size.values() * sizeof(float);
+                              size.walls * sizeof(WallCorners) + size.values() * sizeof(float);
   return (bytes + sizeof(float) - 1) / sizeof(float);
 }
 
@@ -131,6 +131,7 @@ Result<ReaderProcess::Serve> serveMesh(std::string_view parameters) {
     bytes.put(data.soup.vertices);
     bytes.put(data.soup.offsets);
     bytes.put(data.soup.connectivity);
+    bytes.put(data.walls);
     bytes.put(data.values);
     bytes.put(data.soup.shapes);
     return std::string();
@@ -277,6 +278,7 @@ Result<MeshData> takeMesh(ReaderProcess& process, const MeshSize& size, const st
   bytes.get(data.soup.vertices, size.points);
   bytes.get(data.soup.offsets, size.cells + 1);
   bytes.get(data.soup.connectivity, size.indices);
+  bytes.get(data.walls, size.walls);
   bytes.get(data.values, size.values());
   bytes.get(data.soup.shapes, size.cells);
   for (const CellShape shape : data.soup.shapes) {
@@ -344,6 +346,7 @@ MeshSize sizeOf(const MemoryMesh& mesh) {
   size.points = mesh.cells.vertices.size();
   size.cells = mesh.cells.shapes.size();
   size.indices = mesh.cells.connectivity.size();
+  size.ghosts = mesh.ghosts;
   return size;
 }
 
@@ -376,7 +379,8 @@ Result<MeshData> dataIn(const MemoryMesh& mesh, std::size_t frame, const std::st
                   .ofCells = field->ofCells,
                   .field = field->name,
                   .others = fmt::format("{}", fmt::join(others, ", ")),
-                  .dimensions = {}};
+                  .dimensions = {},
+                  .ghosts = mesh.ghosts};
 }
 
 MeshContents contentsOf(const MemoryMesh& mesh) {
@@ -407,14 +411,57 @@ std::string dimensionsText(const std::optional<std::array<double, 7>>& dimension
   return dimensions ? fmt::format("[{}]", fmt::join(*dimensions, " ")) : "none";
 }
 
-/// Errors count vertices and tets as they come out of the file.
+/// Of `count`, in ascending order, those that no tet has: a filter that cuts a mesh leaves them.
+std::vector<std::int32_t> unusedBy(std::span<const Tet> tets, std::size_t count) {
+  std::vector<char> used(count, 0);
+  for (const Tet& tet : tets) {
+    for (const std::int32_t v : tet) used[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<std::int32_t> unused;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (used[i] == 0)
+      unused.push_back(static_cast<std::int32_t>(i));
+  }
+  return unused;
+}
+
+/// Takes vertices away; returns which are left.
+std::vector<std::int32_t> leaveOutVertices(std::span<const std::int32_t> unused,
+                                           std::vector<Vec3>& vertices, std::vector<Tet>& tets) {
+  std::vector<std::int32_t> left, to(vertices.size(), -1);
+  left.reserve(vertices.size() - unused.size());
+  auto next = unused.begin();
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (next != unused.end() && static_cast<std::size_t>(*next) == i) {
+      ++next;
+      continue;
+    }
+    to[i] = static_cast<std::int32_t>(left.size());
+    vertices[left.size()] = vertices[i];
+    left.push_back(static_cast<std::int32_t>(i));
+  }
+  vertices.resize(left.size());
+  for (Tet& tet : tets) {
+    for (std::int32_t& v : tet) v = to[static_cast<std::size_t>(v)];
+  }
+  return left;
+}
+
+/// Without vertices that no tet has. Errors count vertices and tets as they come out of the file.
 Result<std::shared_ptr<const TetMesh>> buildInSpace(const CellSoup& soup, const SplitCells& split,
                                                     MeshOrder& order, const std::string& file) {
   std::vector<Vec3> vertices = split.vertices(soup);
   std::vector<Tet> tets = split.tets;
+  const auto unused = unusedBy(tets, vertices.size());
+  const bool all = unused.empty() || tets.empty();
+  const auto left = all ? std::vector<std::int32_t>() : leaveOutVertices(unused, vertices, tets);
   order = reorderInSpace(vertices, tets);
+  for (std::int32_t& from : order.vertexFrom) {
+    if (!all)
+      from = left[static_cast<std::size_t>(from)];
+  }
   auto mesh = TetMesh::build(std::move(vertices), std::move(tets), file);
-  return mesh ? mesh : TetMesh::build(split.vertices(soup), split.tets, file);
+  return mesh || !all ? mesh : TetMesh::build(split.vertices(soup), split.tets, file);
 }
 
 }  // namespace
@@ -500,6 +547,7 @@ Result<MeshSource> MeshSource::withField(const std::string& field, Negatives neg
   MeshSource source = of(memory_, path_, options);
   source.mesh_ = mesh_, source.added_ = added_;
   source.vertexFrom_ = vertexFrom_, source.cellOf_ = cellOf_;
+  source.unused_ = unused_;
   return source;
 }
 
@@ -792,6 +840,7 @@ Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
   VOLUTE_ASSIGN(SplitCells split, splitCells(soup, file));
   MeshOrder order;
   VOLUTE_ASSIGN(mesh_, buildInSpace(soup, split, order, file));
+  unused_ = unusedBy(split.tets, soup.vertices.size());
   added_ = std::move(split.added);
   vertexFrom_ = std::move(order.vertexFrom);
   cellOf_.clear();
@@ -799,6 +848,37 @@ Status MeshSource::takeCells(const CellSoup& soup, const std::string& file) {
   for (const std::int32_t from : order.tetFrom)
     cellOf_.push_back(split.cellOf[static_cast<std::size_t>(from)]);
   return {};
+}
+
+/// Of the soup.
+Status MeshSource::takeWalls(std::span<const WallCorners> corners, const std::string& file) {
+  walls_ = nullptr;
+  if (corners.empty())
+    return {};
+  auto walls = std::make_shared<std::vector<ThinWall>>();
+  walls->reserve(corners.size());
+  for (const WallCorners& three : corners) {
+    ThinWall& wall = walls->emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (three[k] < 0 || three[k] >= std::ssize(soup_.vertices))
+        return notSound(file);
+      wall[k] = soup_.vertices[static_cast<std::size_t>(three[k])];
+    }
+  }
+  walls_ = std::move(walls);
+  return {};
+}
+
+/// Values where no cell is need not make sense. The largest of them, 0 or more.
+double MeshSource::clearUnused(std::span<float> values) const {
+  double most = 0;
+  for (const std::int32_t i : unused_) {
+    float& value = values[static_cast<std::size_t>(i)];
+    if (std::isfinite(value))
+      most = std::max<double>(most, value);
+    value = 0;
+  }
+  return most;
 }
 
 Result<MeshFrame> MeshSource::read(std::size_t frame, std::span<const float> weights) {
@@ -812,12 +892,15 @@ Result<MeshFrame> MeshSource::read(std::size_t frame, std::span<const float> wei
   VOLUTE_TRY(read);
   MeshData& data = *read;
   VOLUTE_TRY(settleSeries(data, frame));
-  const auto unwritten = std::ranges::count_if(data.values, isNetcdfFill);
-  if (unwritten > 0) {
-    return fail(ErrorCode::kInvalidData,
-                "{}: at {} s {} of {} values of the field '{}' were never written (netCDF's fill "
-                "value); leave that time out, or run the simulation to its end",
-                file, times_[frame], unwritten, data.values.size(), data.field);
+  if (memory_ && !mesh_) {
+    VOLUTE_TRY(takeCells(memory_->cells, file));
+  } else if (!memory_ && (!mesh_ || soup_ != data.soup || wallCorners_ != data.walls)) {
+    if (mesh_)
+      VOLUTE_TRY(checkScale(data.soup, frame));
+    VOLUTE_TRY(takeCells(data.soup, file));
+    soup_ = std::move(data.soup);
+    VOLUTE_TRY(takeWalls(data.walls, file));
+    wallCorners_ = std::move(data.walls);
   }
   MeshFrame out;
   out.dimensions = data.dimensions;
@@ -825,17 +908,20 @@ Result<MeshFrame> MeshSource::read(std::size_t frame, std::span<const float> wei
   out.others = data.others;
   out.ofCells = data.ofCells;
   out.ghosts = data.ghosts;
+  if (!data.ofCells)
+    out.unusedMost = clearUnused(data.values);
+  out.unused = unused_.size();
+  const auto unwritten = std::ranges::count_if(data.values, isNetcdfFill);
+  if (unwritten > 0) {
+    return fail(ErrorCode::kInvalidData,
+                "{}: at {} s {} of {} values of the field '{}' were never written (netCDF's fill "
+                "value); leave that time out, or run the simulation to its end",
+                file, times_[frame], unwritten, data.values.size(), data.field);
+  }
   VOLUTE_ASSIGN(out.clamped, checkField(data.values, options_.negatives,
                                         fmt::format("{}: field '{}'", file, data.field)));
-  if (memory_ && !mesh_) {
-    VOLUTE_TRY(takeCells(memory_->cells, file));
-  } else if (!memory_ && (!mesh_ || soup_ != data.soup)) {
-    if (mesh_)
-      VOLUTE_TRY(checkScale(data.soup, frame));
-    VOLUTE_TRY(takeCells(data.soup, file));
-    soup_ = std::move(data.soup);
-  }
   out.mesh = mesh_;
+  out.walls = walls_;
   if (data.ofCells) {
     VOLUTE_ASSERT(weights.empty() || weights.size() == data.values.size());
     out.values = cellToPoint(*mesh_, data.values, cellOf_, options_.mean, weights);

@@ -16,6 +16,7 @@
 #include "volute/io/mesh.hpp"
 #include "volute/tetmesh/spatial_order.hpp"
 #include "volute/tetmesh/tet_field.hpp"
+#include "volute/tetmesh/tet_locator.hpp"
 #include "volute/tetmesh/tet_mesh.hpp"
 
 namespace volute {
@@ -24,13 +25,16 @@ namespace volute {
 /// in memory; the order depends only on the file's mesh.
 struct MeshFrame {
   std::shared_ptr<const TetMesh> mesh;
-  std::vector<float> values;  ///< one for each vertex of the mesh, >= 0
+  std::shared_ptr<const std::vector<ThinWall>> walls{};  ///< within the mesh; null: none
+  std::vector<float> values;                             ///< one for each vertex of the mesh, >= 0
   std::string field;
   std::string others;          ///< other available fields, as readable text
   std::size_t clamped = 0;     ///< negative values that were set to 0
   bool ofCells = false;        ///< the file has cell values, which were converted to point values
   std::vector<float> cells{};  ///< these, as the file has them, where they are asked for
   std::uint64_t ghosts = 0;    ///< cells that the file marks as ghosts, which are left out
+  std::uint64_t unused = 0;    ///< points that no cell has, which are left out
+  double unusedMost = 0;       ///< the largest value of these
   /// Powers of kg, m, s, K, mol, A and cd, where the file states them (OpenFOAM).
   std::optional<std::array<double, 7>> dimensions{};
 };
@@ -133,6 +137,8 @@ class MeshSource {
   [[nodiscard]] Status settleSeries(const MeshData& data, std::size_t frame);
   [[nodiscard]] Status checkScale(const CellSoup& soup, std::size_t frame) const;
   [[nodiscard]] Status takeCells(const CellSoup& soup, const std::string& file);
+  double clearUnused(std::span<float> values) const;
+  [[nodiscard]] Status takeWalls(std::span<const WallCorners> corners, const std::string& file);
 
   std::filesystem::path path_;
   std::shared_ptr<const MemoryMesh> memory_;  // null: files
@@ -150,9 +156,12 @@ class MeshSource {
   MeshOptions options_;
   std::shared_ptr<const TetMesh> mesh_;  // of the last frame, made of:
   CellSoup soup_;                        // of files
+  std::vector<WallCorners> wallCorners_;
+  std::shared_ptr<const std::vector<ThinWall>> walls_;
   AddedVertices added_;
   std::vector<std::int32_t> vertexFrom_;  // of each vertex: the soup's, then the added ones
   std::vector<std::int32_t> cellOf_;      // of each tet
+  std::vector<std::int32_t> unused_;      // vertices of the soup
 };
 
 }  // namespace volute

@@ -15,6 +15,7 @@
 #include <vtkNew.h>
 #include <vtkOpenFOAMReader.h>
 #include <vtkPointData.h>
+#include <vtkPolyData.h>
 #include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkUnstructuredGridReader.h>
 #include <vtkXMLDataElement.h>
@@ -314,6 +315,63 @@ Status checkLastLine(const std::filesystem::path& path) {
               path.string());
 }
 
+/// Walls within the mesh of an OpenFOAM case: its patches tell them, its cells do not. Read without
+/// values, which may say what VTK does not read.
+Status readFoamWalls(const std::filesystem::path& path, double time, VtkVolume& volume) {
+  const std::vector<FoamPatch> patches = foamPatches(path, time);
+  const auto patchOf = [&](std::string_view name) {
+    const auto found = std::ranges::find(patches, name, &FoamPatch::name);
+    return found == patches.end() ? FoamPatch{} : *found;
+  };
+  vtkNew<vtkOpenFOAMReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->UpdateInformation();
+  reader->DisableAllCellArrays();
+  reader->DisableAllPointArrays();
+  reader->DisableAllPatchArrays();
+  constexpr std::string_view kPrefix = "patch/";
+  bool any = false;
+  for (int i = 0; i < reader->GetNumberOfPatchArrays(); ++i) {
+    const std::string name = reader->GetPatchArrayName(i);
+    if (!name.starts_with(kPrefix))
+      continue;
+    const FoamPatch patch = patchOf(std::string_view(name).substr(kPrefix.size()));
+    // Where such a pair lets only a part through, walls have its faces too.
+    if (!patch.isWall() && patch.type.find("ACMI") == patch.type.npos)
+      continue;
+    reader->SetPatchArrayStatus(name.c_str(), 1);
+    any = true;
+  }
+  if (!any)
+    return {};
+  reader->UpdateTimeStep(time);
+  std::vector<WallPolygon> walls, open;
+  const auto take = [&](vtkPolyData& faces, bool isWall) {
+    for (vtkIdType i = 0; i < faces.GetNumberOfCells(); ++i) {
+      vtkIdType count = 0;
+      const vtkIdType* ids = nullptr;
+      faces.GetCellPoints(i, count, ids);
+      WallPolygon& polygon = (isWall ? walls : open).emplace_back(count);
+      for (vtkIdType k = 0; k < count; ++k)
+        faces.GetPoint(ids[k], polygon[static_cast<std::size_t>(k)].data());
+    }
+  };
+  auto* blocks = vtkCompositeDataSet::SafeDownCast(reader->GetOutputDataObject(0));
+  vtkSmartPointer<vtkCompositeDataIterator> at;
+  if (blocks)
+    at.TakeReference(blocks->NewIterator());
+  for (at ? at->InitTraversal() : void(); at && !at->IsDoneWithTraversal(); at->GoToNextItem()) {
+    auto* faces = vtkPolyData::SafeDownCast(at->GetCurrentDataObject());
+    const char* name = at->HasCurrentMetaData()
+                           ? at->GetCurrentMetaData()->Get(vtkCompositeDataSet::NAME())
+                           : nullptr;
+    if (faces)
+      take(*faces, patchOf(name ? name : "").isWall());
+  }
+  volume.walls = wallsWithin(walls, open);
+  return {};
+}
+
 }  // namespace
 
 void tellApart(std::vector<MeshFieldSummary>& fields) {
@@ -435,6 +493,10 @@ Result<VtkVolume> readVtkVolume(const std::filesystem::path& path, std::size_t f
     for (vtkUnstructuredGrid* grid : grids) settleFills(fills, *grid);
   }
   VOLUTE_TRY(join(grids, file, watch, volume));
+  if (kind == ".foam") {
+    VOLUTE_TRY(readFoamWalls(path, volume.time, volume));
+    VOLUTE_TRY(statusOfCase(watch, path));
+  }
   return volume;
 }
 

@@ -14,6 +14,7 @@
 
 #include "volute/base/result.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/mesh_walls.hpp"
 
 // Mesh files by VTK's readers; for the VTK plug-in alone, in the child process.
 
@@ -36,6 +37,7 @@ struct VtkVolume {
   int blocks = 1;                             ///< with volumes
   std::map<std::string, int> partial{};       ///< fields that not all blocks have, and how many do
   std::uint64_t ghosts = 0;                   ///< cells that are marked as such, and left out
+  std::vector<WallPolygon> walls{};           ///< of OpenFOAM, with cells on both sides
 };
 
 /// Calls fields of points and of cells that have one name "NAME (points)" and "NAME (cells)".

@@ -22,6 +22,7 @@
 #include "volute/io/foam_files.hpp"
 #include "volute/io/grid_choice.hpp"
 #include "volute/io/mesh.hpp"
+#include "volute/io/mesh_walls.hpp"
 #include "volute/io/vtk_cases.hpp"
 #include "volute/io/vtk_errors.hpp"
 
@@ -211,6 +212,7 @@ class VtkMeshReader final : public MeshReader {
       data_.others = otherGrids(names, names.size(), MeshSize::kMaxName);
     }
     VOLUTE_TRY(copyCells(grid, fields[chosen], file));
+    data_.walls = splitAtWalls(volume.walls, data_.soup, data_.ofCells ? nullptr : &data_.values);
     return sizeOfData();
   }
 
@@ -226,6 +228,7 @@ class VtkMeshReader final : public MeshReader {
     data_ = {};
     data_.ghosts = volume.ghosts;
     VOLUTE_TRY(copyCells(grid, {}, path.string()));
+    data_.walls = splitAtWalls(volume.walls, data_.soup, nullptr);
     MeshContents contents;
     contents.size = sizeOfData();
     contents.size.bare = true;
@@ -233,6 +236,7 @@ class VtkMeshReader final : public MeshReader {
       ++contents.shapes[static_cast<std::size_t>(shape)];
     contents.surfaces = static_cast<std::uint64_t>(grid->GetNumberOfCells()) - contents.size.cells;
     contents.blocks = volume.blocks;
+    contents.walls = volume.walls.size();
     partialText(volume).copy(contents.partial, MeshSize::kMaxName);
     std::vector<MeshFieldSummary> summaries;
     for (const Field& field : fields) summaries.push_back(summaryOf(field, leftOut_));
@@ -251,6 +255,7 @@ class VtkMeshReader final : public MeshReader {
     size.points = data_.soup.vertices.size();
     size.cells = data_.soup.shapes.size();
     size.indices = data_.soup.connectivity.size();
+    size.walls = data_.walls.size();
     size.ghosts = data_.ghosts;
     size.hasDimensions = data_.dimensions.has_value();
     size.dimensions = data_.dimensions.value_or(size.dimensions);

@@ -265,6 +265,8 @@ Walk<N> walkFrom(const TetLocator& locator, std::int32_t tet, const Segment& way
 
 double shareOf(const TetLocator& locator, std::span<const float> extinction, const Segment& way,
                const Walk<1>& walk) {
+  if (locator.wallOn(way))
+    return 0;
   if (walk.doubtful)
     return lampShareReference(locator, extinction, way);
   return walk.dark ? 0 : std::exp(-walk.depths[0]);
@@ -318,7 +320,7 @@ std::array<double, 2> lampDepthsAt(const TetLocator& locator,
                                    const std::array<std::span<const float>, 2>& extinctions,
                                    const Segment& way, std::int32_t tet, bool lampInside) {
   const auto walk = walkFrom<2>(locator, tet, way, extinctions, lampInside);
-  if (walk.dark && !walk.doubtful)
+  if ((walk.dark && !walk.doubtful) || locator.wallOn(way))
     return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
   if (!walk.doubtful)
     return walk.depths;
@@ -328,6 +330,8 @@ std::array<double, 2> lampDepthsAt(const TetLocator& locator,
 
 double lampShareReference(const TetLocator& locator, std::span<const float> extinction,
                           const Segment& way) {
+  if (locator.wallOn(way))
+    return 0;
   const double near = 1e-6 * sizeOf(locator.mesh());
   const bool inside = std::isfinite(way.end) && locator.find(way.at(way.end)) >= 0;
   std::vector<LampRun> runs;

@@ -55,6 +55,8 @@ bool isConvex(const TetMesh& mesh) {
     if (i + 1 >= edges.size() || edges[i].key() != edges[i + 1].key() ||
         (i + 2 < edges.size() && edges[i].key() == edges[i + 2].key()))
       return false;  // surfaces that touch
+    if (edges[i].across != edges[i + 1].across && at(edges[i].across) == at(edges[i + 1].across))
+      return false;  // the edge of a thin wall
     const TetFace& face = mesh.faces()[static_cast<std::size_t>(edges[i].face)];
     const Vec3 corner = at(face.vertices[0]);
     Vec3 normal = (at(face.vertices[1]) - corner).cross(at(face.vertices[2]) - corner).normalized();

@@ -66,9 +66,54 @@ Interval insideTet(const TetMesh& mesh, std::int32_t tet, const Vec3& start, con
   return range;
 }
 
+Vec3 normalOf(const ThinWall& wall) {
+  return (wall[1] - wall[0]).cross(wall[2] - wall[0]);
+}
+
+/// Where a line meets a triangle, its rim included.
+std::optional<double> meet(const Segment& line, const ThinWall& wall) {
+  constexpr double kRim = 1e-9;  // of the shares: triangles side by side leave nothing between
+  const Vec3 normal = normalOf(wall);
+  const double towards = normal.dot(line.direction), area = normal.norm();
+  if (!(std::abs(towards) > kTolerance * area))
+    return std::nullopt;
+  const double at = normal.dot(wall[0] - line.origin) / towards;
+  const Vec3 point = line.at(at);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 edge = wall[(k + 1) % 3] - wall[k];
+    if (edge.cross(point - wall[k]).dot(normal) < -kRim * area * area)
+      return std::nullopt;
+  }
+  return at;
+}
+
 }  // namespace
 
-TetLocator::TetLocator(std::shared_ptr<const TetMesh> mesh) : mesh_(std::move(mesh)) {
+template <class BoundsOf>
+TetLocator::Lists TetLocator::listsOf(std::size_t things, const BoundsOf& boundsOf) const {
+  const auto cellsOf = [&](std::size_t i) {
+    const Box3 bounds = boundsOf(i);
+    return cellsAround(bounds.min, bounds.max, box_, cell_, count_);
+  };
+  Lists lists;
+  const std::size_t total = static_cast<std::size_t>(count_[0]) * count_[1] * count_[2];
+  lists.begin.assign(total + 1, 0);
+  for (std::size_t i = 0; i < things; ++i)
+    cellsOf(i).forEach(count_, [&](std::size_t cell) { ++lists.begin[cell + 1]; });
+  for (std::size_t i = 0; i < total; ++i) lists.begin[i + 1] += lists.begin[i];
+  lists.entries.resize(static_cast<std::size_t>(lists.begin.back()));
+  std::vector<std::int64_t> next(lists.begin.begin(), lists.begin.end() - 1);
+  for (std::size_t i = 0; i < things; ++i) {
+    cellsOf(i).forEach(count_, [&](std::size_t cell) {
+      lists.entries[static_cast<std::size_t>(next[cell]++)] = static_cast<std::int32_t>(i);
+    });
+  }
+  return lists;
+}
+
+TetLocator::TetLocator(std::shared_ptr<const TetMesh> mesh,
+                       std::shared_ptr<const std::vector<ThinWall>> walls)
+    : mesh_(std::move(mesh)), walls_(std::move(walls)) {
   box_ = mesh_->bounds();
   const Vec3 size = box_.size().cwiseMax(1e-3 * box_.size().maxCoeff());
   const double cells = std::max(1.0, static_cast<double>(mesh_->tets().size()) / 4);
@@ -77,21 +122,19 @@ TetLocator::TetLocator(std::shared_ptr<const TetMesh> mesh) : mesh_(std::move(me
     count_[axis] = static_cast<int>(std::clamp(std::ceil(size[axis] / side), 1.0, 1024.0));
     cell_[axis] = size[axis] / count_[axis];
   }
-  const auto cellsOf = [&](std::size_t t) {
+  tets_ = listsOf(mesh_->tets().size(), [&](std::size_t t) {
     Box3 bounds;
     for (const std::int32_t v : mesh_->tets()[t]) bounds.extend(mesh_->vertices()[v]);
-    return cellsAround(bounds.min, bounds.max, box_, cell_, count_);
-  };
-  const std::size_t total = static_cast<std::size_t>(count_[0]) * count_[1] * count_[2];
-  begin_.assign(total + 1, 0);
-  for (std::size_t t = 0; t < mesh_->tets().size(); ++t)
-    cellsOf(t).forEach(count_, [&](std::size_t cell) { ++begin_[cell + 1]; });
-  for (std::size_t i = 0; i < total; ++i) begin_[i + 1] += begin_[i];
-  entries_.resize(static_cast<std::size_t>(begin_.back()));
-  std::vector<std::int64_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::size_t t = 0; t < mesh_->tets().size(); ++t) {
-    cellsOf(t).forEach(count_, [&](std::size_t cell) {
-      entries_[static_cast<std::size_t>(next[cell]++)] = static_cast<std::int32_t>(t);
+    return bounds;
+  });
+  if (walls_ && walls_->empty())
+    walls_ = nullptr;
+  if (walls_) {
+    wallLists_ = listsOf(walls_->size(), [&](std::size_t w) {
+      Box3 bounds;
+      for (const Vec3& corner : (*walls_)[w]) bounds.extend(corner);
+      bounds.min -= Vec3::Constant(kOnWall), bounds.max += Vec3::Constant(kOnWall);
+      return bounds;
     });
   }
 }
@@ -102,10 +145,64 @@ std::int32_t TetLocator::find(const Vec3& point) const {
     return -1;
   std::int32_t found = -1;
   cellsAround(point, point, box_, cell_, count_).forEach(count_, [&](std::size_t cell) {
-    for (auto i = begin_[cell]; i < begin_[cell + 1] && found < 0; ++i) {
-      const auto shares = mesh_->shares(entries_[i], point);
+    for (auto i = tets_.begin[cell]; i < tets_.begin[cell + 1] && found < 0; ++i) {
+      const auto shares = mesh_->shares(tets_.entries[i], point);
       if (std::ranges::all_of(shares, [](double share) { return share >= -kTolerance; }))
-        found = entries_[i];
+        found = tets_.entries[i];
+    }
+  });
+  return found;
+}
+
+Interval TetLocator::within(const Segment& segment) const {
+  Box3 wide = box_;
+  const Vec3 margin = Vec3::Constant(kTolerance * box_.size().maxCoeff());
+  wide.min -= margin, wide.max += margin;
+  return Interval{segment.begin, segment.end}.intersect(
+      wide.intersect(segment.origin, segment.direction));
+}
+
+/// Along the axis with most layers of cells.
+template <class Visit>
+void TetLocator::forCellsAlong(const Segment& segment, const Interval& inside,
+                               const Visit& visit) const {
+  const Vec3 layersPerMetre = segment.direction.cwiseAbs().cwiseQuotient(cell_);
+  const int layers = 1 + static_cast<int>(layersPerMetre.maxCoeff() * inside.length());
+  for (int i = 0; i < layers; ++i) {
+    const double from = inside.begin + inside.length() * i / layers;
+    const double to = inside.begin + inside.length() * (i + 1) / layers;
+    cellsAround(segment.at(from), segment.at(to), box_, cell_, count_).forEach(count_, visit);
+  }
+}
+
+std::optional<double> TetLocator::wallOn(const Segment& segment) const {
+  if (!walls_)
+    return std::nullopt;
+  const Interval inside = within(segment);
+  if (inside.empty())
+    return std::nullopt;
+  std::optional<double> first;
+  forCellsAlong(segment, inside, [&](std::size_t cell) {
+    for (auto i = wallLists_.begin[cell]; i < wallLists_.begin[cell + 1]; ++i) {
+      const auto at = meet(segment, (*walls_)[static_cast<std::size_t>(wallLists_.entries[i])]);
+      if (at && *at > segment.begin + kOnWall && *at < segment.end - kOnWall &&
+          (!first || *at < *first))
+        first = at;
+    }
+  });
+  return first;
+}
+
+bool TetLocator::isOnWall(const Vec3& point) const {
+  bool found = false;
+  if (!walls_)
+    return found;
+  cellsAround(point, point, box_, cell_, count_).forEach(count_, [&](std::size_t cell) {
+    for (auto i = wallLists_.begin[cell]; i < wallLists_.begin[cell + 1] && !found; ++i) {
+      const ThinWall& wall = (*walls_)[static_cast<std::size_t>(wallLists_.entries[i])];
+      const Vec3 normal = normalOf(wall).normalized();
+      const auto at = meet({point - normal, normal, 0, 2}, wall);
+      found = at && std::abs(*at - 1) <= kOnWall;
     }
   });
   return found;
@@ -113,28 +210,15 @@ std::int32_t TetLocator::find(const Vec3& point) const {
 
 void TetLocator::crossings(const Segment& segment, std::vector<TetCrossing>& out) const {
   out.clear();
-  Box3 wide = box_;
-  const Vec3 margin = Vec3::Constant(kTolerance * box_.size().maxCoeff());
-  wide.min -= margin, wide.max += margin;
-  const Interval inside = Interval{segment.begin, segment.end}.intersect(
-      wide.intersect(segment.origin, segment.direction));
+  const Interval inside = within(segment);
   if (inside.empty())
     return;
-  // Cells layer by layer along the axis with most layers; lists of neighbouring cells repeat tets.
+  // Lists of neighbouring cells repeat tets.
   std::vector<std::int32_t> candidates;
-  const Vec3 layersPerMetre = segment.direction.cwiseAbs().cwiseQuotient(cell_);
-  int axis = 0;
-  const double rate = layersPerMetre.maxCoeff(&axis);
-  const int layers = 1 + static_cast<int>(rate * inside.length());
-  for (int i = 0; i < layers; ++i) {
-    const double from = inside.begin + inside.length() * i / layers;
-    const double to = inside.begin + inside.length() * (i + 1) / layers;
-    cellsAround(segment.at(from), segment.at(to), box_, cell_, count_)
-        .forEach(count_, [&](std::size_t cell) {
-          candidates.insert(candidates.end(), entries_.begin() + begin_[cell],
-                            entries_.begin() + begin_[cell + 1]);
-        });
-  }
+  forCellsAlong(segment, inside, [&](std::size_t cell) {
+    candidates.insert(candidates.end(), tets_.entries.begin() + tets_.begin[cell],
+                      tets_.entries.begin() + tets_.begin[cell + 1]);
+  });
   std::ranges::sort(candidates);
   const auto repeated = std::ranges::unique(candidates);
   candidates.erase(repeated.begin(), repeated.end());
@@ -177,9 +261,10 @@ TetOverlap TetLocator::overlap() const {
     all += volume;
     bool isTwice = false;
     cellsAround(middle, middle, box_, cell_, count_).forEach(count_, [&](std::size_t cell) {
-      for (auto i = begin_[cell]; i < begin_[cell + 1] && !isTwice; ++i) {
-        isTwice = entries_[i] != own && std::ranges::all_of(mesh_->shares(entries_[i], middle),
-                                                            [](double s) { return s > kInside; });
+      for (auto i = tets_.begin[cell]; i < tets_.begin[cell + 1] && !isTwice; ++i) {
+        const std::int32_t other = tets_.entries[i];
+        isTwice = other != own && std::ranges::all_of(mesh_->shares(other, middle),
+                                                      [](double s) { return s > kInside; });
       }
     });
     if (isTwice && !(twice > 0))
@@ -188,6 +273,26 @@ TetOverlap TetLocator::overlap() const {
   }
   found.share = all > 0 ? twice / all : 0;
   return found;
+}
+
+std::optional<Vec3> TetLocator::openContact() const {
+  constexpr std::size_t kTried = std::size_t{1} << 15;
+  const auto boundary = mesh_->boundary();
+  const auto points = mesh_->vertices();
+  const std::size_t step = boundary.size() / kTried + 1;
+  for (std::size_t i = 0; i < boundary.size(); i += step) {
+    const TetFace& face = mesh_->faces()[static_cast<std::size_t>(boundary[i])];
+    const ThinWall corners{points[face.vertices[0]], points[face.vertices[1]],
+                           points[face.vertices[2]]};
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+    const Vec3 across = points[mesh_->tets()[face.first / 4][face.first % 4]] - middle;
+    Vec3 outwards = normalOf(corners).normalized();
+    if (outwards.dot(across) > 0)
+      outwards = -outwards;
+    if (find(middle + kOnWall * outwards) >= 0 && !isOnWall(middle))
+      return middle;
+  }
+  return std::nullopt;
 }
 
 }  // namespace volute

@@ -46,6 +46,55 @@ TEST(TetSight, ALinearFieldIsExact) {
   EXPECT_NEAR(k, value(centre), 1e-6);
 }
 
+TEST(TetSight, AThinWallIsOpaqueAndAFloor) {
+  const auto mesh = boxMesh({Vec3(0, 0, 0), Vec3(6, 4, 3)}, {6, 4, 3}, 0, 5);
+  const std::vector<ThinWall> walls{{Vec3(3, 0, 0), Vec3(3, 2, 0), Vec3(3, 2, 3)},
+                                    {Vec3(3, 0, 0), Vec3(3, 2, 3), Vec3(3, 0, 3)},
+                                    {Vec3(0, 2, 1), Vec3(2, 2, 1), Vec3(0, 4, 1)}};
+  const std::vector<float> field(mesh->vertices().size(), 0.5F);
+  const auto locator = std::make_shared<const TetLocator>(
+      mesh, std::make_shared<const std::vector<ThinWall>>(walls));
+  const TetSightSnapshot snapshot(locator, field);
+  const auto blocked = [&](const Vec3& eye, const Vec3& target) {
+    const Sight sight = look(snapshot, {eye, target});
+    EXPECT_NEAR(sight.depth, 0.5 * (target - eye).norm(), 1e-6);
+    Sight weighed;
+    std::vector<SightWeight> weights;
+    snapshot.weigh({eye, target}, weights, weighed);
+    EXPECT_EQ(weighed.blocked, sight.blocked);
+    return sight.blocked;
+  };
+  EXPECT_TRUE(blocked(Vec3(1, 1, 1.5), Vec3(5, 1, 1.5)));
+  EXPECT_TRUE(blocked(Vec3(1, 1, 1.5), Vec3(5, 1.3, 1.2)));
+  EXPECT_FALSE(blocked(Vec3(1, 3, 1.5), Vec3(5, 3, 1.5))) << "beside it";
+  EXPECT_FALSE(blocked(Vec3(1, 1, 1.5), Vec3(3, 1, 1.5))) << "a sign on it";
+  const Vec3 points[] = {Vec3(3, 1, 1.5), Vec3(3, 3, 1.5), Vec3(3.01, 1, 1.5)};
+  Place places[3];
+  snapshot.places(points, places);
+  EXPECT_EQ(places[0], Place::kSolid);
+  EXPECT_EQ(places[1], Place::kGas);
+  EXPECT_EQ(places[2], Place::kGas);
+  const Vec3 eyes[] = {Vec3(0.5, 2.5, 2.6), Vec3(5, 2.5, 2.6)};
+  double floors[2];
+  snapshot.floors(eyes, 3, floors);
+  EXPECT_NEAR(floors[0], 1, 1e-9);
+  EXPECT_NEAR(floors[1], 0, 0.11);
+}
+
+TEST(TetSight, CellsThatTouchWithoutCommonPointsAreFound) {
+  std::vector<Vec3> points{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
+  EXPECT_FALSE(TetLocator(TetMesh::build(points, {{0, 1, 2, 3}}, "one").value()).openContact());
+  for (const Vec3& point : {Vec3(0, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)})
+    points.push_back(point);
+  const auto two = TetMesh::build(points, {{0, 1, 2, 3}, {4, 5, 6, 7}}, "two").value();
+  const auto place = TetLocator(two).openContact();
+  ASSERT_TRUE(place);
+  EXPECT_EQ(place->x(), 0);
+  const auto wall = std::make_shared<const std::vector<ThinWall>>(
+      std::vector{ThinWall{points[0], points[2], points[3]}});
+  EXPECT_FALSE(TetLocator(two, wall).openContact());
+}
+
 TEST(TetSight, TheWalkEqualsTheSlowWayInAHallWithColumns) {
   const auto mesh = hallMesh(1.0, 2);
   const TetSightSnapshot snapshot = snapshotOf(mesh, plume(*mesh, 3, 2));

@@ -73,6 +73,9 @@ void addCells(Report& report, const MeshContents& contents) {
            contents.blocks > 1
                ? fmt::format("{}, joined where their points are the same", contents.blocks)
                : "")
+      .add("walls", contents.walls,
+           contents.walls > 0 ? fmt::format("{} faces with cells on both sides", contents.walls)
+                              : "")
       .add("ghosts", contents.size.ghosts,
            contents.size.ghosts > 0 ? fmt::format("{} cells, left out", contents.size.ghosts) : "");
 }

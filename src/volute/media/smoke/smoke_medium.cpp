@@ -397,6 +397,25 @@ void SmokeMedium::tellOverlap(const Stored& stored) {
           .in(description_.file));
 }
 
+void SmokeMedium::tellContact(const Stored& stored) {
+  if (files_->overlapTold || files_->contactTold)
+    return;
+  const auto place = stored.paths->locator()->openContact();
+  if (!place)
+    return;
+  files_->contactTold = true;
+  // OpenFOAM's patches say what such faces are.
+  const bool foam = extensionOf(description_.file) == ".foam";
+  progress_->remark(
+      Remark(
+          foam ? RemarkCode::kNote : RemarkCode::kDoubtful,
+          fmt::format("{}: cells touch without common points, as at ({}, {}, {}) m: sight passes "
+                      "there; make the points one, or leave a gap where a wall stands",
+                      description_.file, plainNumber(place->x(), 4), plainNumber(place->y(), 4),
+                      plainNumber(place->z(), 4)))
+          .in(description_.file));
+}
+
 Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::size_t index) {
   std::vector<std::shared_ptr<const Stored>>& held = files_->steps;
   for (const auto& stored : held) {
@@ -419,14 +438,17 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
       stored->paths = other->paths, stored->meshHash = other->meshHash;
   }
   if (!stored->paths) {
-    stored->paths =
-        std::make_shared<const LampPaths>(std::make_shared<const TetLocator>(frame.mesh));
+    stored->paths = std::make_shared<const LampPaths>(
+        std::make_shared<const TetLocator>(frame.mesh, frame.walls));
     constexpr double kVersion = 2;  // of LampPaths: another one, other light
     stored->meshHash.add(kVersion);
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     stored->meshHash.add(frame.mesh->vertices());
     stored->meshHash.add(frame.mesh->tets());
+    if (frame.walls)
+      stored->meshHash.add(std::span<const ThinWall>(*frame.walls));
     tellOverlap(*stored);
+    tellContact(*stored);
   }
   if (frame.clamped > 0) {
     progress_->remark(
@@ -439,6 +461,13 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
                              fmt::format("{}: {} cells that it marks as ghosts (vtkGhostType) are "
                                          "left out, as if another file had them",
                                          description_.file, frame.ghosts))
+                          .in(description_.file));
+  }
+  if (frame.unusedMost > 0 && !std::exchange(files_->unusedTold, true)) {
+    progress_->remark(Remark(RemarkCode::kNote,
+                             fmt::format("{}: {} points that no cell has are left out, with values "
+                                         "up to {:.3g}",
+                                         description_.file, frame.unused, frame.unusedMost))
                           .in(description_.file));
   }
   counts_.clamped += frame.clamped;

@@ -225,7 +225,9 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
     std::shared_ptr<const TetMesh> wallsOf{};  ///< what `walls` are of
     std::shared_ptr<const MeshWalls> walls{};
     bool ghostsTold = false;
+    bool unusedTold = false;
     bool overlapTold = false;
+    bool contactTold = false;
   };
 
   /// Data computed from a frame.
@@ -244,6 +246,8 @@ class SmokeMedium final : public SceneMedium, public ProbedMedium {
   [[nodiscard]] Result<std::shared_ptr<const Stored>> readStep(std::size_t index);
   /// Says that cells lie in others, once.
   void tellOverlap(const Stored& stored);
+  /// Says that cells touch which have no faces in common, once.
+  void tellContact(const Stored& stored);
   [[nodiscard]] Result<std::vector<float>> extinctionOf(const Stored& stored) const;
   [[nodiscard]] Status light(Step& step);
   [[nodiscard]] Result<std::shared_ptr<const MeshWalls>> wallsOf(const MeshFrame& frame);

@@ -166,9 +166,11 @@ struct MeshExit {
 MeshExit exitOf(const TetLocator& locator, const Segment& ray) {
   std::vector<TetCrossing> crossings;
   locator.crossings(ray, crossings);
+  const auto wall = locator.wallOn(ray);
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const bool last = i + 1 == crossings.size();
-    if (last || crossings[i + 1].begin > crossings[i].end + kGap)
+    if (last || crossings[i + 1].begin > crossings[i].end + kGap ||
+        (wall && crossings[i].end > *wall - kGap))
       return {crossings[i].tet, crossings[i].end};
   }
   return {};

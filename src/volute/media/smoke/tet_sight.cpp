@@ -111,12 +111,13 @@ void TetSightSnapshot::cross(const Segment& segment, Sight& sight, Visit&& visit
     sight.blocked |= entered;
     sight.covered &= entered;
   }
+  sight.blocked |= locator_->wallOn(segment).has_value();
 }
 
 template <class Visit>
 bool TetSightSnapshot::walk(const Segment& segment, Visit&& visit) const {
   const TetMesh& mesh = locator_->mesh();
-  std::int32_t tet = locator_->find(segment.origin);
+  std::int32_t tet = locator_->wallOn(segment) ? -1 : locator_->find(segment.origin);
   double at = 0;
   for (std::size_t steps = 0; tet >= 0 && steps <= mesh.tets().size(); ++steps) {
     const Exit exit = TetRay(mesh, tet, segment.origin, segment.direction).exit();
@@ -179,8 +180,21 @@ void TetSightSnapshot::weigh(const SightLine& line, std::vector<SightWeight>& we
 }
 
 void TetSightSnapshot::places(std::span<const Vec3> points, std::span<Place> places) const {
-  for (std::size_t i = 0; i < points.size(); ++i)
-    places[i] = locator_->find(points[i]) >= 0 ? Place::kGas : Place::kOutside;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    places[i] = locator_->isOnWall(points[i])    ? Place::kSolid
+                : locator_->find(points[i]) >= 0 ? Place::kGas
+                                                 : Place::kOutside;
+  }
+}
+
+void TetSightSnapshot::floors(std::span<const Vec3> points, double drop,
+                              std::span<double> z) const {
+  BasicSightSnapshot::floors(points, drop, z);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto down = locator_->wallOn({points[i], -Vec3::UnitZ(), 0, drop});
+    if (down && !(z[i] > points[i].z() - *down))
+      z[i] = points[i].z() - *down;
+  }
 }
 
 void TetSightSnapshot::extinction(std::span<const Vec3> points,

@@ -11,10 +11,11 @@
 namespace volute {
 
 /// Smoke on tetrahedra at one time, extinction linear in each. The mesh's boundary is opaque:
-/// a line that leaves it and comes back is blocked. Sums are exact.
+/// a line that leaves it and comes back is blocked, and so is one through a thin wall. Sums are
+/// exact.
 ///
-/// A line is walked from tet to neighbour; where it meets an edge, or leaves the mesh, the slow and
-/// simple TetLocator::crossings takes over.
+/// A line is walked from tet to neighbour; where it meets an edge or a thin wall, or leaves the
+/// mesh, the slow and simple TetLocator::crossings takes over.
 class TetSightSnapshot final : public BasicSightSnapshot {
  public:
   /// `extinction` [1/m], one for each vertex, finite and >= 0. `geometry` is a number of the mesh's
@@ -25,6 +26,8 @@ class TetSightSnapshot final : public BasicSightSnapshot {
   void look(std::span<const SightLine> lines, std::span<Sight> sights) const override;
   void places(std::span<const Vec3> points, std::span<Place> places) const override;
   void extinction(std::span<const Vec3> points, std::span<double> extinction) const override;
+  /// Thin walls are floors too.
+  void floors(std::span<const Vec3> points, double drop, std::span<double> z) const override;
 
   /// Identity of the mesh's geometry.
   std::uint64_t geometry() const override { return geometry_; }
