@@ -56,6 +56,7 @@ MemoryMesh meshOf(const py::object& mesh) {
   made.cells.offsets = numbersIn(offsets);
   for (const std::uint8_t shape : numbersIn(shapes))
     made.cells.shapes.push_back(static_cast<CellShape>(shape));
+  made.ghosts = mesh.attr("_ghosts").cast<std::uint64_t>();
   made.times = mesh.attr("times").cast<std::vector<double>>();
   using Fields = std::vector<std::tuple<std::string, bool, py::array_t<float>>>;
   for (const auto& [name, ofCells, values] : mesh.attr("_fields").cast<Fields>()) {

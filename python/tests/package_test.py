@@ -1079,6 +1079,44 @@ print(hasattr(volute, "nothing"))"""
             self.assertGreater(looked[0], 0)
             self.assertEqual(looked, 3 * looked[:1])
 
+    @unittest.skipUnless(importlib.util.find_spec("vtkmodules"), "without python3-vtk9")
+    def test_grids_of_vtk_are_read_as_their_files(self):
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkIdList, vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkUnstructuredGrid
+        corners = np.array([[x, y, z] for z in (0, 1.0) for y in (0, 1.0) for x in (0, 1.0, 2, 3)])
+        voxel = np.array([0, 1, 4, 5, 8, 9, 12, 13])
+        faces = [[0, 4, 5, 1], [8, 9, 13, 12], [0, 1, 9, 8], [4, 12, 13, 5], [0, 8, 12, 4], [1, 5, 13, 9]]
+
+        def made(kind, ghost=None):
+            grid, points = vtkUnstructuredGrid(), vtkPoints()
+            points.SetData(numpy_to_vtk(np.concatenate([corners, [[9, 9, 9]]]), deep=1))  # and one that no cell has
+            grid.SetPoints(points)
+            for x in range(3):
+                if kind == 42:
+                    ids = vtkIdList()
+                    for number in [6, *(n for face in faces for n in [4, *(v + x for v in face)])]:
+                        ids.InsertNextId(number)
+                    grid.InsertNextCell(42, ids)
+                else:
+                    grid.InsertNextCell(11, 8, list(voxel + x))
+            grid.InsertNextCell(9, 4, [0, 1, 5, 4])
+            of_cells = numpy_to_vtk(np.array([1.0, 1, 1, 7]), deep=1)
+            of_cells.SetName("thick")
+            grid.GetCellData().AddArray(of_cells)
+            if ghost:
+                marks = numpy_to_vtk(np.array([0, ghost, 0, 0], np.uint8), deep=1)
+                marks.SetName("vtkGhostType")
+                grid.GetCellData().AddArray(marks)
+            return volute.Mesh(grid)
+        line = [0.1, 0.4, 0.3], [2.9, 0.4, 0.3]
+        for kind in (11, 42):
+            seen = volute.Sight(made(kind), quantity="extinction").look(*line)
+            self.assertAlmostEqual(seen["depth"][0], 2.8, 5)
+            self.assertFalse(seen["blocked"][0])
+        for ghost in (1, 32):
+            self.assertTrue(volute.Sight(made(11, ghost), quantity="extinction").look(*line)["blocked"][0])
+
     def test_scenes_are_sent_to_processes(self):
         scene = volute.Scene({"format": "volute-scene-2", "media": [{"kind": "volume", "file": self.decoded, "extinction": 1.0},
                                                                     {"kind": "volume", "file": volute.open(self.file), "emission": 1.0}]})

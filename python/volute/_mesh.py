@@ -11,21 +11,26 @@ _CELLS = {"tetra": (4, 0), "pyramid": (5, 1), "wedge": (6, 2), "hexahedron": (8,
 
 
 class Mesh:
-    """Fields on tetrahedra, pyramids, wedges and hexahedra: what a .vtu file of smoke holds, for Scene(), render(), picture(), Sight() and
-    all else that takes such a file: Scene(mesh, quantity="extinction").
+    """Fields on tetrahedra and other cells: what a .vtu file of smoke holds, for Scene(), render(), picture(), Sight() and all else that
+    takes such a file: Scene(mesh, quantity="extinction").
 
     points: shape (n, 3) [m]. cells: numbers of points, shape (m, 4) of tetrahedra, (m, 5) of pyramids, (m, 6) of wedges or (m, 8) of
-        hexahedra, corners in VTK's order; or a dict of several, {"tetra": .., "hexahedron": ..} (meshio's cells_dict).
+        hexahedra, corners in VTK's order; or a dict of several, {"tetra": .., "hexahedron": ..} (meshio's cells_dict). In it, "voxel" is
+        (m, 8) in VTK's order of voxels, and "polyhedron" a list: of each cell the number of its faces, then of each face the number of its
+        corners and they (VTK's face streams).
     fields: {name: values at points}, shape (n,), or (t, n) at several times. cell_fields: the same of cells, (m,) or (t, m), in the order
         of `cells`. times: [s], ascending.
-    A vtkUnstructuredGrid in place of all of these: Mesh(grid).
+    A vtkUnstructuredGrid in place of all of these: Mesh(grid). Its ghost and blanked cells, surfaces and lines are left out, as of files.
+    Points that no cell has are left out.
     Values are copied, in float32."""
+
+    _ghosts = 0  #: cells of a grid that are marked as such
 
     def __init__(self, points, cells=None, fields=None, *, cell_fields=None, times=None):
         if _vtk_values.is_grid(points):
             if cells is not None or fields is not None or cell_fields is not None:
                 raise TypeError("a grid of VTK has its own cells and fields; give it alone")
-            points, cells, fields, cell_fields = _vtk_values.grid(points)
+            points, cells, fields, cell_fields, self._ghosts = _vtk_values.grid(points)
         elif cells is None:
             raise TypeError("cells: expected numbers of points, shape (m, 4), (m, 5), (m, 6) or (m, 8)")
         points = np.array(reals(points, "points")[0], np.float64, order="C")
@@ -39,10 +44,21 @@ class Mesh:
             cells = {kind: cells}
         corners, counts, shapes = [], [], []
         for kind, numbers in cells.items():
+            if kind == "polyhedron":
+                streams = [np.asarray(unmasked(stream, kind)) for stream in numbers]
+                if any(stream.ndim != 1 or stream.dtype.kind not in "iu" for stream in streams):
+                    raise ValueError("cells, polyhedron: expected a list of whole numbers for each: faces, then of each its corners")
+                corners.extend(stream.astype(np.int64) for stream in streams)
+                counts.append(np.array([len(stream) for stream in streams], np.int64))
+                shapes.append(np.full(len(streams), 4, np.uint8))
+                continue
+            if kind == "voxel":  # rows, not rounds
+                numbers = np.asarray(unmasked(numbers, kind))
+                kind, numbers = "hexahedron", numbers[:, [0, 1, 3, 2, 4, 5, 7, 6]] if numbers.ndim == 2 and numbers.shape[1] == 8 else numbers
             count, code = _CELLS.get(kind, (0, 0))
             numbers = np.asarray(unmasked(numbers, kind))
             if not count:
-                raise ValueError(f"cells are of the kind {kind!r}; expected {', '.join(_CELLS)}")
+                raise ValueError(f"cells are of the kind {kind!r}; expected {', '.join(_CELLS)}, voxel or polyhedron")
             if numbers.ndim != 2 or numbers.shape[1] != count or numbers.dtype.kind not in "iu":
                 raise ValueError(f"cells, {kind}: shape {numbers.shape} of {numbers.dtype}; expected (m, {count}) whole numbers")
             if numbers.size and not (0 <= numbers.min() and numbers.max() < len(points)):

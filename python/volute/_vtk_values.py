@@ -4,7 +4,9 @@
 import numpy as np
 
 #: VTK's numbers of cells that a Mesh has
-_KINDS = {10: ("tetra", 4), 14: ("pyramid", 5), 13: ("wedge", 6), 12: ("hexahedron", 8)}
+_KINDS = {10: ("tetra", 4), 14: ("pyramid", 5), 13: ("wedge", 6), 12: ("hexahedron", 8), 11: ("voxel", 8)}
+_POLYHEDRON, _QUAD = 42, 9  # up to which cells have no volume
+_GHOSTS = "vtkGhostType"
 
 
 def is_image(given):
@@ -21,9 +23,10 @@ def _numpy(array):
 
 
 def _fields(attributes):
-    """{name: array} of numbers."""
+    """{name: array} of numbers, but for what VTK marks as ghosts."""
     arrays = [attributes.GetArray(i) for i in range(attributes.GetNumberOfArrays())]
-    return {array.GetName() or "density": array for array in arrays if array is not None}
+    return {array.GetName() or "density": array for array in arrays
+            if array is not None and not (array.GetName() or "").startswith("vtkGhost")}
 
 
 def _chosen(image, name):
@@ -42,7 +45,8 @@ def _chosen(image, name):
 
 
 def image(given, name):
-    """(array (z, y, x[, c]), what it says) of a vtkImageData: without a copy. Values at points are those of voxels around them."""
+    """(array (z, y, x[, c]), what it says) of a vtkImageData: without a copy, unless some are blanked, which are
+    0. Values at points are those of voxels around them."""
     array, cells = _chosen(given, name)
     direction = given.GetDirectionMatrix()
     if any(direction.GetElement(i, j) != (i == j) for i in range(3) for j in range(3)):
@@ -50,6 +54,11 @@ def image(given, name):
     extent = given.GetExtent()
     sides = [extent[2 * axis + 1] - extent[2 * axis] + (not cells) for axis in range(3)]
     values = _numpy(array)
+    ghosts = (given.GetCellData() if cells else given.GetPointData()).GetArray(_GHOSTS)
+    hidden = (_numpy(ghosts) & (32 if cells else 2)) != 0 if ghosts else np.zeros(0, bool)
+    if hidden.any():
+        values = values.copy()
+        values[hidden] = 0
     values = values.reshape(*sides[::-1], *values.shape[1:])
     half = 0 if cells else 0.5
     origin, spacing = given.GetOrigin(), given.GetSpacing()
@@ -58,12 +67,20 @@ def image(given, name):
 
 
 def grid(given):
-    """(points, cells, fields, cell_fields) of a vtkUnstructuredGrid, as Mesh() takes them."""
+    """(points, cells, fields, cell_fields, ghosts) of a vtkUnstructuredGrid, as Mesh() takes them."""
+    from vtkmodules.vtkCommonCore import vtkIdList
+    ghosts = 0
+    if given.GetCellData().GetArray(_GHOSTS):
+        whole, given = given, given.NewInstance()
+        given.ShallowCopy(whole)
+        given.RemoveGhostCells()
+        ghosts = whole.GetNumberOfCells() - given.GetNumberOfCells()
     types = _numpy(given.GetCellTypesArray()) if given.GetNumberOfCells() else np.zeros(0, np.uint8)
-    unknown = sorted(set(types.tolist()) - set(_KINDS))
+    known = sorted([*_KINDS, _POLYHEDRON])
+    unknown = sorted(kind for kind in set(types.tolist()) - set(known) if kind > _QUAD)
     if unknown:
-        raise ValueError(f"the grid has cells of VTK's types {unknown}; expected tetrahedra, pyramids, wedges and hexahedra "
-                         f"({', '.join(map(str, sorted(_KINDS)))})")
+        raise ValueError(f"the grid has cells of VTK's types {unknown}; expected tetrahedra, pyramids, wedges, hexahedra, voxels and "
+                         f"polyhedra ({', '.join(map(str, known))})")
     offsets, corners = _numpy(given.GetCells().GetOffsetsArray()), _numpy(given.GetCells().GetConnectivityArray())
     cells, order = {}, []
     for code, (kind, count) in _KINDS.items():
@@ -71,9 +88,16 @@ def grid(given):
         if len(of_kind):
             cells[kind] = corners[offsets[of_kind][:, np.newaxis] + np.arange(count)]
             order.append(of_kind)
+    of_kind = np.flatnonzero(types == _POLYHEDRON)
+    if len(of_kind):
+        ids, cells["polyhedron"] = vtkIdList(), []
+        for cell in of_kind.tolist():
+            given.GetFaceStream(cell, ids)
+            cells["polyhedron"].append(np.array([ids.GetId(i) for i in range(ids.GetNumberOfIds())], np.int64))
+        order.append(of_kind)
     order = np.concatenate(order) if order else np.zeros(0, int)
 
     def scalars(attributes):
         return {name: _numpy(array) for name, array in _fields(attributes).items() if array.GetNumberOfComponents() == 1}
     return (_numpy(given.GetPoints().GetData()), cells, scalars(given.GetPointData()),
-            {name: values[order] for name, values in scalars(given.GetCellData()).items()})
+            {name: values[order] for name, values in scalars(given.GetCellData()).items()}, ghosts)
