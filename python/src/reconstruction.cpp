@@ -167,7 +167,7 @@ py::tuple reconstructCapture(const std::string& path, const std::string& output,
         if (settings.flame) {
           soot.emplace(*frames, capture.spectrum);
           for (FrameSource* grid : soot->grids()) grids.push_back({grid, rms});
-          VOLUTE_ASSIGN(report["soot"], soot->json());
+          VOLUTE_TRY(soot->addTo(report, progress));
         }
         Reading reading{progress, maxMemory};
         Report written;

@@ -140,6 +140,11 @@ class Reconstruct(ring.TestCase):
         lit = [value for value in grids["temperature"][1] if value > 0]
         self.assertTrue(lit and 700 <= min(lit) and max(lit) <= 4000)
         self.assertEqual(result.json["mean_temperature"], json.loads(self.path("r.json").read_text())["soot"]["mean_temperature"])
+        self.json["spectrum"]["black_body"]["radiance"] = [2e-4, 1e-4, 3e-5]  # pictures are divided by their exposure, and this is not
+        self.write_capture()
+        deep = self.reconstruct("--frames", "10", "--temperature", "--json", output="deep_{grid}.npy")
+        self.assertIn("the soot's optical depth is", deep.message)
+        self.assertTrue(any("optical depth" in text for text in deep.json["warnings"]), deep.json["warnings"])
 
     def test_error_bars_need_a_place(self):
         source = self.path("capture.json")

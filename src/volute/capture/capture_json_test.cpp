@@ -272,6 +272,10 @@ TEST(CaptureJson, GainsSpectraAndExposuresAreReadWrittenAndRefused) {
   json["spectrum"] = {{"wavelengths", {620, 540, 460}}, {"radiance_scale", 0.5}};
   ASSERT_VALUE(const auto narrow, openJson(folder, json));
   EXPECT_NEAR(narrow.spectrum.blackBody(1500)[1], 0.5 * planck(540, 1500), 1e-12);
+  EXPECT_THAT(sentences(narrow.remarks), ::testing::Not(Contains(HasSubstr("order"))));
+  json["spectrum"]["wavelengths"] = {460, 540, 620};
+  ASSERT_VALUE(const auto reversed, openJson(folder, json));
+  EXPECT_THAT(sentences(reversed.remarks), Contains(HasSubstr("in another order?")));
   ASSERT_TRUE(writeCapture(folder / "again.json", capture));
   ASSERT_VALUE(const auto again, openCapture(folder / "again.json", {}));
   EXPECT_TRUE(

@@ -104,6 +104,23 @@ void remarkOnEnds(const std::vector<Sample>& samples, std::vector<Remark>& remar
   }
 }
 
+/// Channels are red, green and blue, in this order.
+void remarkOnOrder(const CaptureSpectrum& spectrum, const char* member,
+                   std::vector<Remark>& remarks) {
+  Rgb centre = Rgb::Zero(), sum = Rgb::Zero();
+  for (const CaptureSpectrum::Line& line : spectrum.lines) {
+    centre += line.wavelength * line.weight;
+    sum += line.weight;
+  }
+  centre /= sum;
+  if (!(centre[0] > centre[1] && centre[1] > centre[2]))
+    remarks.emplace_back(
+        RemarkCode::kDoubtful,
+        fmt::format("spectrum.{}: red sees {:.0f} nm, green {:.0f} nm and blue {:.0f} nm; expected "
+                    "the longest first: in another order?",
+                    member, centre[0], centre[1], centre[2]));
+}
+
 Result<Rgb> positive(const JsonValue& value) {
   VOLUTE_ASSIGN(const Vec3 numbers, value.vector());
   if (!(numbers.minCoeff() > 0))
@@ -187,6 +204,7 @@ Result<CaptureSpectrum> readSpectrum(const JsonValue& value, const std::filesyst
       spectrum.lines.push_back({at[c], Rgb::Zero()});
       spectrum.lines.back().weight[c] = 1;
     }
+    remarkOnOrder(spectrum, "wavelengths", remarks);
   } else {
     std::vector<Sample> samples;
     if (table->json().is_string()) {
@@ -202,6 +220,7 @@ Result<CaptureSpectrum> readSpectrum(const JsonValue& value, const std::filesyst
     }
     VOLUTE_ASSIGN(spectrum.lines, linesOf(samples, *table));
     remarkOnEnds(samples, remarks);
+    remarkOnOrder(spectrum, "sensitivities", remarks);
   }
   if (const auto exponent = value.find("soot_exponent")) {
     constexpr double kMax = 4;

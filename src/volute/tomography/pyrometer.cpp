@@ -169,6 +169,37 @@ std::vector<Soot> sootOf(const Pyrometer& pyrometer, const std::array<int, 3>& r
   return soot;
 }
 
+Soot deviationOf(const Pyrometer& pyrometer, const Soot& soot, const KnownLight& own,
+                 const KnownLight& around, double correlation) {
+  constexpr double kAround = 27;
+  if (!(soot.temperature > 0))
+    return {};
+  const auto spreadOf = [&](const KnownLight& known, double count, const Soot& of) {
+    Rgb relative = Rgb::Zero();
+    for (int c = 0; c < 3; ++c) {
+      if (known.light[c] > 0)
+        relative[c] = std::min(known.deviation[c] / known.light[c], 1.0) / std::sqrt(count);
+    }
+    return pyrometer.uncertainty(known.light, of, relative, correlation);
+  };
+  // The voxel's own colours, kept near those around it, whose errors are apart.
+  const Soot alone = spreadOf(own, 1, soot);
+  if (alone.temperature > 0) {
+    const double kept = 1 / std::hypot(1 / alone.temperature, 1 / kNearSoot),
+                 temperature = std::hypot(kept, spreadOf(around, kAround, soot).temperature);
+    return {temperature * soot.temperature,
+            alone.extinction * temperature / alone.temperature * soot.extinction};
+  }
+  // Its own colours tell nothing: the soot is that around it, by the voxel's share of the light.
+  Soot nearby = pyrometer.sootOf(around.light);
+  if (!(nearby.temperature > 0))
+    nearby = {soot.temperature, around.light.sum() / pyrometer.sootColours(soot.temperature).sum()};
+  const Soot spread = spreadOf(around, kAround, nearby);
+  return {std::hypot(kNearSoot, spread.temperature) * soot.temperature,
+          std::hypot(spread.extinction * soot.extinction,
+                     nearby.extinction * own.deviation.sum() / around.light.sum())};
+}
+
 std::vector<float> sootAttenuation(const Pyrometer& pyrometer, std::span<const Soot> soot,
                                    const Camera& camera, const VolumeGeometry& geometry,
                                    std::span<const float> emission) {

@@ -38,6 +38,9 @@ class Pyrometer {
   /// The same of what is known by itself.
   Soot sootOf(const Rgb& emission) const { return sootOf(emission, {}); }
 
+  /// What soot with an extinction of 1/m sends.
+  Rgb sootColours(double temperature) const { return at(temperature).emission.exp(); }
+
   /// The relative standard deviations of temperature and extinction.
   /// @param relative  those of the channels
   /// @param correlation  of the channels' errors, 0..1
@@ -71,6 +74,17 @@ inline constexpr double kNearSoot = 0.05;
 /// brightest channel is below 2 % of the brightest voxel.
 std::vector<Soot> sootOf(const Pyrometer& pyrometer, const std::array<int, 3>& resolution,
                          std::span<const float> emission);
+
+/// What is sent, and its standard deviations.
+struct KnownLight {
+  Rgb light, deviation;
+};
+
+/// The standard deviations of a voxel's soot [K, 1/m]; 0 where it is not determined.
+/// @param own, around  the voxel's, and meansAround() of those
+/// @param correlation  of the channels' errors, 0..1
+Soot deviationOf(const Pyrometer& pyrometer, const Soot& soot, const KnownLight& own,
+                 const KnownLight& around, double correlation);
 
 /// Factors on a view's pixels that undo what the soot takes of its own light on the way to the
 /// camera, 1 to 5, (height, width, 3).

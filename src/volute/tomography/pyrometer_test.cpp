@@ -2,12 +2,14 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/pyrometer.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include "volute/tomography/soot_frames.hpp"
 #include "volute/tomography/uncertainty.hpp"
 
 namespace volute {
@@ -158,6 +160,65 @@ TEST(Pyrometer, UncertaintyFollowsWhatDiffersBetweenChannels) {
   EXPECT_GT(apart.temperature, 0.01);
   EXPECT_LT(together.temperature, 0.05 * apart.temperature);
   EXPECT_NEAR(together.extinction, 0.1, 0.01);  // a flame brighter by a tenth has a tenth more soot
+}
+
+TEST(Pyrometer, AVoxelWithoutLightOfItsOwnHasTheDeviationOfThatAround) {
+  const CaptureSpectrum spectrum = narrow();
+  const Pyrometer pyrometer(spectrum);
+  const Rgb light = 0.5 * spectrum.sootEmission(1700);
+  const KnownLight around{light, 0.1 * light};
+  const auto known = [&](double share) {
+    return deviationOf(pyrometer, {1700, 0.5 * share}, {share * light, 0.06 * light}, around, 0.2);
+  };
+  const Soot dark = known(0);
+  EXPECT_NEAR(dark.extinction, 0.03, 1e-3);
+  EXPECT_TRUE(dark.temperature > 0.05 * 1700 && dark.temperature < 0.2 * 1700) << dark.temperature;
+  // One channel alone tells no temperature either.
+  const Soot red = deviationOf(pyrometer, {1700, 0.1},
+                               {light * Rgb(0.5, 0, 0), 0.06 * light * Rgb(1, 0, 0)}, around, 0.2);
+  EXPECT_TRUE(red.extinction > 0.01 && red.extinction < 0.1) << red.extinction;
+  EXPECT_EQ(deviationOf(pyrometer, {}, {light, light}, around, 0.2).extinction, 0);
+}
+
+/// A block of 6^3 voxels of soot of 1600 to 1900 K in 10^3.
+std::vector<float> block(const CaptureSpectrum& spectrum, double extinction) {
+  std::vector<float> emission(3000);
+  for (std::size_t i = 0; i < 1000; ++i) {
+    const std::size_t x = i % 10, y = i / 10 % 10, z = i / 100;
+    if (std::min({x, y, z}) < 2 || std::max({x, y, z}) > 7)
+      continue;
+    const Rgb sent = extinction * spectrum.sootEmission(1500 + 50 * static_cast<double>(z));
+    for (std::size_t c = 0; c < 3; ++c)
+      emission[3 * i + c] = static_cast<float>(sent[static_cast<int>(c)]);
+  }
+  return emission;
+}
+
+std::string doubtOf(const CaptureSpectrum& spectrum, std::span<const float> emission) {
+  const Pyrometer pyrometer(spectrum);
+  SootSummary summary(pyrometer);
+  summary.add({{Vec3(-1, -1, -1), Vec3(1, 1, 1)}, {10, 10, 10}}, emission);
+  const auto doubts = summary.doubts();
+  EXPECT_LE(doubts.size(), 1U);
+  return doubts.empty() ? "" : doubts.front();
+}
+
+TEST(Soot, IsDoubtedWhereTheSpectrumIsNotThatOfThePictures) {
+  using testing::HasSubstr;
+  const CaptureSpectrum spectrum = narrow();
+  const auto emission = block(spectrum, 0.5);
+  EXPECT_EQ(doubtOf(spectrum, emission), "");
+  EXPECT_EQ(doubtOf(spectrum, block(spectrum, 3)), "");
+  EXPECT_EQ(doubtOf(spectrum, std::vector<float>(3000)), "");
+  CaptureSpectrum wrong = spectrum;  // blue first
+  wrong.scale = spectrum.scale * Rgb(0.025, 1, 40);
+  EXPECT_THAT(doubtOf(wrong, emission), HasSubstr("explains the colours of 100 % of the light"));
+  wrong.scale = spectrum.scale * Rgb(1, 1 / 1.45, 1);
+  EXPECT_THAT(doubtOf(wrong, emission), HasSubstr("red and green tell"));
+  wrong.scale = spectrum.scale / 1000;  // pictures are divided by their exposure, it is not
+  EXPECT_THAT(doubtOf(wrong, emission), HasSubstr("\"exposure\""));
+  wrong.scale = spectrum.scale * 65535;  // in counts
+  EXPECT_THAT(doubtOf(wrong, emission), HasSubstr("optical depth is 9"));
 }
 
 class FlameOf : public testing::TestWithParam<double> {};

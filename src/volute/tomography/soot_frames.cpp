@@ -2,8 +2,9 @@
 // SPDX-FileCopyrightText: The Volute authors
 #include "volute/tomography/soot_frames.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/parallel.hpp"
@@ -43,39 +44,18 @@ class SootFrames::Grid final : public FrameSource {
     const double correlation = record["uncertainty"].value("channel_correlation", 0.0);
     parallelRanges(values.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        values[i] = 0;
-        if (!(soot[i].temperature > 0))
-          continue;
-        // The voxel's own colours, kept near those around it, whose errors are apart.
-        const Soot own = spreadOf(&light[3 * i], &bars[3 * i], 1, soot[i], correlation);
-        const Soot around =
-            spreadOf(&lightAround[3 * i], &barsAround[3 * i], kAround, soot[i], correlation);
-        const double kept =
-            own.temperature > 0 ? 1 / std::hypot(1 / own.temperature, 1 / kNearSoot) : kNearSoot;
-        const double temperature = std::hypot(kept, around.temperature);
-        const Soot share{temperature, own.temperature > 0
-                                          ? own.extinction * temperature / own.temperature
-                                          : around.extinction};
-        values[i] = static_cast<float>(share.*quantity_ * soot[i].*quantity_);
+        const auto at = [i](const std::vector<float>& all) {
+          return Rgb(all[3 * i], all[3 * i + 1], all[3 * i + 2]);
+        };
+        const Soot deviation = deviationOf(pyrometer_, soot[i], {at(light), at(bars)},
+                                           {at(lightAround), at(barsAround)}, correlation);
+        values[i] = static_cast<float>(deviation.*quantity_);
       }
     });
     return {};
   }
 
  private:
-  static constexpr double kAround = 27;
-
-  /// @param count  of voxels whose mean is given
-  Soot spreadOf(const float* light, const float* bars, double count, const Soot& soot,
-                double correlation) const {
-    Rgb emission, relative;
-    for (int c = 0; c < 3; ++c) {
-      emission[c] = light[c];
-      relative[c] = light[c] > 0 ? std::min(bars[c] / light[c], 1.0F) / std::sqrt(count) : 0;
-    }
-    return pyrometer_.uncertainty(emission, soot, relative, correlation);
-  }
-
   ReconstructedFrames& frames_;
   const Pyrometer& pyrometer_;
   double Soot::* quantity_;
@@ -102,34 +82,78 @@ std::vector<FrameSource*> SootFrames::grids() const {
   return all;
 }
 
-Result<nlohmann::ordered_json> SootFrames::json() const {
-  double light = 0, weighted = 0, greatest = 0, deepest = 0;
-  std::int64_t voxels = 0;
-  const VolumeGeometry geometry = frames_.geometry();
-  const auto& n = geometry.resolution;
-  const double step = geometry.voxelSize().x();
+Status SootFrames::addTo(nlohmann::ordered_json& report, Progress& progress) const {
+  SootSummary summary(pyrometer_);
   for (int index = 0; index < frames_.info().frames; ++index) {
     VOLUTE_ASSIGN(const auto emission, frames_.volume(index));
-    const auto soot = sootOf(pyrometer_, n, emission);
-    for (std::size_t row = 0; row < soot.size(); row += static_cast<std::size_t>(n[0])) {
-      double depth = 0;
-      for (std::size_t i = row; i < row + static_cast<std::size_t>(n[0]); ++i) {
-        if (!(soot[i].temperature > 0))
-          continue;
-        const double shines = emission[3 * i] + emission[3 * i + 1] + emission[3 * i + 2];
-        light += shines;
-        weighted += shines * soot[i].temperature;
-        greatest = std::max(greatest, soot[i].temperature);
-        depth += step * soot[i].extinction;
-        ++voxels;
-      }
-      deepest = std::max(deepest, depth);
-    }
+    summary.add(frames_.geometry(), emission);
   }
-  return nlohmann::ordered_json{{"mean_temperature", light > 0 ? Json(weighted / light) : Json()},
-                                {"greatest_temperature", jsonNumber(greatest)},
-                                {"optical_depth", jsonNumber(deepest)},
-                                {"voxels", voxels}};
+  report["soot"] = summary.json();
+  for (const std::string& doubt : summary.doubts()) {
+    report["warnings"].push_back(doubt);
+    progress.remark({RemarkCode::kDoubtful, "warning: " + doubt});
+  }
+  return {};
+}
+
+void SootSummary::add(const VolumeGeometry& geometry, std::span<const float> emission) {
+  const auto row = static_cast<std::size_t>(geometry.resolution[0]);
+  const double step = geometry.voxelSize().x();
+  const auto soot = sootOf(pyrometer_, geometry.resolution, emission);
+  for (std::size_t begin = 0; begin < soot.size(); begin += row) {
+    double depth = 0;
+    for (std::size_t i = begin; i < begin + row; ++i) {
+      const Rgb sent(emission[3 * i], emission[3 * i + 1], emission[3 * i + 2]);
+      light_ += sent;
+      if (!(soot[i].temperature > 0))
+        continue;
+      known_ += sent.sum();
+      weighted_ += sent.sum() * soot[i].temperature;
+      greatest_ = std::max(greatest_, soot[i].temperature);
+      depth += step * soot[i].extinction;
+      ++voxels_;
+    }
+    deepest_ = std::max(deepest_, depth);
+  }
+}
+
+std::vector<std::string> SootSummary::doubts() const {
+  constexpr double kHalf = 0.5, kDeepest = 5, kFaintest = 1e-4, kApart = 1.2;
+  const double light = light_.sum();
+  if (!(light > 0))
+    return {};
+  if (known_ < kHalf * light) {
+    const Rgb colours = light_ / light_.maxCoeff();
+    const Rgb usual = pyrometer_.sootColours(kUsual) / pyrometer_.sootColours(kUsual).maxCoeff();
+    return {fmt::format(
+        "no temperature from 700 to 4000 K explains the colours of {:.0f} % of the light (red : "
+        "green : blue = {:.2g} : {:.2g} : {:.2g}; by \"spectrum\" soot of {:g} K has {:.2g} : "
+        "{:.2g} : {:.2g}): its channels in another order, a temperature not in kelvins, or mixed "
+        "colours?",
+        100 * (1 - known_ / light), colours[0], colours[1], colours[2], kUsual, usual[0], usual[1],
+        usual[2])};
+  }
+  const double red = pyrometer_.sootOf(light_ * Rgb(1, 1, 0)).temperature,
+               blue = pyrometer_.sootOf(light_ * Rgb(0, 1, 1)).temperature;
+  if (red > 0 && blue > 0 && std::max(red, blue) > kApart * std::min(red, blue))
+    return {fmt::format(
+        "red and green tell {:.0f} K, green and blue {:.0f} K: \"spectrum\" is not that of these "
+        "pictures, or the light is not that of soot",
+        red, blue)};
+  if (deepest_ > kDeepest || deepest_ < kFaintest)
+    return {fmt::format(
+        "the soot's optical depth is {:.2g}{}: is \"black_body\" what the pictures would hold, "
+        "after \"white\", \"gain\" and \"exposure\"?",
+        deepest_,
+        deepest_ > kDeepest ? fmt::format(", and absorption is undone up to {:g}", kDeepest) : "")};
+  return {};
+}
+
+nlohmann::ordered_json SootSummary::json() const {
+  return {{"mean_temperature", known_ > 0 ? Json(weighted_ / known_) : Json()},
+          {"greatest_temperature", jsonNumber(greatest_)},
+          {"optical_depth", jsonNumber(deepest_)},
+          {"voxels", voxels_}};
 }
 
 }  // namespace volute

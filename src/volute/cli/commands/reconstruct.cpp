@@ -167,11 +167,12 @@ Status addFile(ReconstructedFrames& frames, const std::string& target,
 }
 
 void addTemperature(const nlohmann::ordered_json& soot, Report& report) {
-  if (soot["mean_temperature"].is_number())
-    report.add("mean_temperature", soot["mean_temperature"],
-               fmt::format("{:.0f} K, weighted by the light; at most {:.0f} K",
-                           soot["mean_temperature"].get<double>(),
-                           soot["greatest_temperature"].get<double>()));
+  const auto& mean = soot["mean_temperature"];
+  report.add("mean_temperature", mean,
+             mean.is_number()
+                 ? fmt::format("{:.0f} K, weighted by the light; at most {:.0f} K",
+                               mean.get<double>(), soot["greatest_temperature"].get<double>())
+                 : "not determined");
   report.add("optical_depth", soot["optical_depth"],
              fmt::format("{:.3g} at 550 nm, at most along x", soot["optical_depth"].get<double>()));
 }
@@ -209,7 +210,7 @@ Status runFrames(ReconstructedFrames& frames, VelocityFrames* velocity, const Ar
   VOLUTE_TRY(writer.write(report));
   VOLUTE_TRY(addFile(frames, target, settings, json, context));
   if (soot) {
-    VOLUTE_ASSIGN(json["soot"], soot->json());
+    VOLUTE_TRY(soot->addTo(json, context.progress));
     addTemperature(json["soot"], report);
   }
   if (velocity)
