@@ -140,7 +140,7 @@ Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> vi
                                               const VolumeGeometry& geometry, Progress& progress) {
   constexpr int kLongest = 24, kIterations = 30;
   constexpr std::size_t kFewestVoxels = 3, kFewestPixels = 3;
-  constexpr double kAsAWhole = 0.5, kFits = 0.3;
+  constexpr double kAsAWhole = 0.9, kFits = 0.3;
   std::vector<Occlusion> found;
   if (views.size() < kFewestOccluders)
     return found;

@@ -23,8 +23,8 @@ struct Occlusion {
 /// Where one view alone calls voxels empty that all others see amid their light, the view is
 /// predicted by a fit to the others, on voxels of 1/24 of the volume. Pixels that show nothing, and
 /// of which half of a usual brightness is predicted, are found. Nothing is found of views that do
-/// not fit elsewhere (relative L2 above 0.3) or lack half of their light, of fewer than four views,
-/// of orthographic cameras, and of optical depths.
+/// not fit elsewhere (relative L2 above 0.3) or lack nine tenths of their light, of fewer than four
+/// views, of orthographic cameras, and of optical depths.
 ///
 /// Errors: those of reconstruct().
 [[nodiscard]] Result<std::vector<Occlusion>> findOcclusions(std::span<const TomographyView> views,

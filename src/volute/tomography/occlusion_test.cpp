@@ -17,11 +17,11 @@ namespace {
 constexpr std::size_t kCovered = 2;
 constexpr int kLeft = 21, kRight = 26;  // of a dark pole before view kCovered [pixels]
 
-TestScene withPole(double noise) {
+TestScene withPole(double noise, int right = kRight) {
   TestScene scene(8, noise);
   TomographyView& view = scene.views[kCovered];
   for (int y = 0; y < view.radiance.height; ++y)
-    for (int x = kLeft; x < kRight; ++x)
+    for (int x = kLeft; x < right; ++x)
       for (int c = 0; c < 3; ++c) view.radiance.at(x, y, c) = 0;
   return scene;
 }
@@ -78,6 +78,16 @@ TEST(Occlusion, APoleCarvesNoHole) {
       EXPECT_TRUE(x >= kLeft - 4 && x < kRight + 4) << x;
     }
   }
+}
+
+TEST(Occlusion, APoleMayHideMoreThanHalfOfTheLight) {
+  TestScene scene = withPole(0, kLeft + 11);
+  Progress progress;
+  const auto found = findOcclusions(scene.views, scene.geometry, progress);
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_EQ(found->size(), 1U);
+  EXPECT_EQ((*found)[0].view, kCovered);
+  EXPECT_TRUE((*found)[0].share > 0.5 && (*found)[0].share < 0.9) << (*found)[0].share;
 }
 
 TEST(Occlusion, NoneInCleanPictures) {
