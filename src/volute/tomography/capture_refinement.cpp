@@ -113,8 +113,8 @@ class Refiner {
       if (std::ranges::find(faulty_, number) != faulty_.end())
         continue;
       auto read = reader_.read(number);
-      // A frame that cannot be read is told when its turn comes.
-      if (!read)
+      // A frame that cannot be read is told when its turn comes, and so is a mosaic.
+      if (!read || std::ranges::any_of(read->facts, &PictureFacts::mosaic))
         continue;
       const auto fitted = read->fitted();
       std::vector<TomographyView> views(fitted.begin(), fitted.end());
@@ -160,6 +160,7 @@ class Refiner {
     const std::vector<double> white = whites(frames_[middle]);
     VOLUTE_ASSIGN(auto found, findCaptureFaults(frames_[middle], white, geometry(), progress_,
                                                 capture_.pixelCentre));
+    for (CaptureFault& fault : found) tellByStatedCurve(fault, frames_[middle]);
     if (frames_.size() == 1)
       return found;
     std::vector<FramesFault> some;
@@ -232,6 +233,35 @@ class Refiner {
     CaptureFault fault;
     std::vector<std::size_t> frames;
   };
+
+  /// Whether a camera's values are taken as linear: as floats are, and where the capture says so.
+  bool takenAsLinear(const std::string& name) const {
+    const auto camera = findCamera(capture_, name);
+    if (!camera)
+      return false;
+    const PictureSource& pictures = capture_.cameras[*camera].pictures;
+    return pictures.linear ||
+           (pictures.response && pictures.response->kind() == Response::Kind::kLinear);
+  }
+
+  /// A curve that fits is another one than that which the capture states.
+  void tellByStatedCurve(CaptureFault& fault, const std::vector<TomographyView>& views) const {
+    constexpr double kLikeSrgb = 2.2;
+    const bool encoded = fault.kind == CaptureFault::Kind::kEncoded;
+    if (!encoded && fault.kind != CaptureFault::Kind::kDecoded)
+      return;
+    bool taken = true;  // as the fault says
+    for (std::size_t v = 0; v < views.size(); ++v) {
+      if (fault.cameras.empty() || std::ranges::find(fault.cameras, v) != fault.cameras.end())
+        taken = taken && takenAsLinear(views[v].name) == encoded;
+    }
+    if (taken)
+      return;
+    CaptureFault curve = fault;
+    curve.kind = CaptureFault::Kind::kExponent;
+    curve.value = encoded ? kLikeSrgb : 1 / kLikeSrgb;
+    fault.text = describeFault(curve, views, capture_.pixelCentre);
+  }
 
   /// None: depths follow no response.
   std::vector<double> whites(const std::vector<TomographyView>& views) const {

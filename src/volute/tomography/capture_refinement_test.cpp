@@ -10,6 +10,7 @@
 #include <numeric>
 #include <random>
 
+#include "volute/image/srgb.hpp"
 #include "volute/io/image_file.hpp"
 #include "volute/io/testing.hpp"
 #include "volute/tomography/frame_views.hpp"
@@ -198,6 +199,36 @@ TEST_F(CaptureRefinementTest, AGainThatDriftsIsFoundInEachFrame) {
     EXPECT_NEAR(views->facts[2].gain * result.capture.cameras[2].pictures.gain,
                 1 / (1 - 0.15 * frame), 0.06 / (1 - 0.15 * frame));
   }
+}
+
+TEST_F(CaptureRefinementTest, AnotherCurveIsToldByTheOneThatIsStated) {
+  capture.frames = {1};
+  for (CaptureCamera& known : capture.cameras) {
+    Image image = *readImage(file(known.name, 1));
+    for (float& value : image.pixels) value = static_cast<float>(srgbDecode(value));
+    ASSERT_TRUE(writeImage(file(known.name, 1), image));
+  }
+  const auto told = [&] {
+    const CaptureRefinement result = refined();
+    return result.faults.empty() ? std::string() : result.faults[0];
+  };
+  EXPECT_THAT(told(), ::testing::HasSubstr("taken as sRGB"));
+  for (CaptureCamera& known : capture.cameras) known.pictures.response = Response();
+  EXPECT_THAT(told(), ::testing::HasSubstr("to the power of about 0.45"));
+}
+
+TEST_F(CaptureRefinementTest, OfMosaicsNoOtherMistakeIsTold) {
+  capture.frames = {1};
+  for (CaptureCamera& known : capture.cameras) {
+    const Image image = *readImage(file(known.name, 1));
+    Image mosaic(image.width, image.height, 1);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        mosaic.at(x, y) = image.at(x, y) * (x % 2 + y % 2 == 1 ? 1.0F : 0.3F);
+    ASSERT_TRUE(writeImage(file(known.name, 1), mosaic));
+  }
+  capture.cameras[2].pictures.gain *= 0.5;
+  EXPECT_TRUE(refined().faults.empty());
 }
 
 TEST_F(CaptureRefinementTest, GainsByFrameNeedOtherCameras) {
