@@ -46,17 +46,19 @@ struct PictureSource {
   /// of the steady rate from the first, ascending. Empty: at 0, 1, 2 and so on.
   std::vector<double> filmPlaces{};
   std::filesystem::path background;  ///< a picture without the medium; empty: none
-  std::filesystem::path mask;        ///< 0 = ignore the pixel (obstructors); empty: none
-  double exposure = 1;               ///< by which its linear values, its background's too, are
-                                     ///< divided
-  double gain = 1;                   ///< a factor on its linear values; of kAbsorption, where
-                                     ///< that cancels out, on its optical depths
-  Rgb channelGain = Rgb::Ones();     ///< the same for each channel, besides `gain`
-  bool gainByFrame = false;          ///< besides, each frame has a gain of its own, which what the
-                                     ///< other cameras predict tells (auto exposure); kEmission
-  std::vector<int> leftOut{};        ///< frames of which its picture is not that: as if none were
-  double exponent = 1;               ///< a power of the linear values, 1 = white, before white
-                                     ///< and gain: mends a response that is nearly right
+  std::filesystem::path dark;  ///< a picture with the lens covered, subtracted from all others, as
+                               ///< they are stored; empty: none
+  std::filesystem::path mask;  ///< 0 = ignore the pixel (obstructors); empty: none
+  double exposure = 1;         ///< by which its linear values, its background's too, are
+                               ///< divided
+  double gain = 1;             ///< a factor on its linear values; of kAbsorption, where
+                               ///< that cancels out, on its optical depths
+  Rgb channelGain = Rgb::Ones();  ///< the same for each channel, besides `gain`
+  bool gainByFrame = false;       ///< besides, each frame has a gain of its own, which what the
+                                  ///< other cameras predict tells (auto exposure); kEmission
+  std::vector<int> leftOut{};     ///< frames of which its picture is not that: as if none were
+  double exponent = 1;            ///< a power of the linear values, 1 = white, before white
+                                  ///< and gain: mends a response that is nearly right
   /// Of integers and films; floats (.exr, .pfm, some .tif and .npy) are linear. Without it what
   /// each .png or .tif states, else sRGB.
   std::optional<Response> response;

@@ -58,6 +58,17 @@ void subtractBlack(Image& image, double black) {
   for (float& value : image.pixels) value = static_cast<float>((value - black) / (1 - black));
 }
 
+/// What the sensor reads without light, at each pixel. Of integers white stays white.
+void subtractDark(const Image& dark, bool linear, Image& image) {
+  constexpr float kHot = 0.9F;
+  const auto channels = static_cast<std::size_t>(image.channels),
+             own = static_cast<std::size_t>(dark.channels);
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+    const float level = dark.pixels[i / channels * own + std::min(i % channels, own - 1)];
+    image.pixels[i] = (image.pixels[i] - level) / (linear ? 1 : 1 - std::min(level, kHot));
+  }
+}
+
 double shareBelowOne(const Image& alpha) {
   const auto count = std::ranges::count_if(alpha.pixels, [](float a) { return a < 1; });
   return static_cast<double>(count) / static_cast<double>(alpha.pixels.size());
@@ -344,6 +355,33 @@ Image CaptureImages::linearised(std::size_t camera, const Stored& stored) const 
   return image;
 }
 
+Status CaptureImages::openDark(std::size_t camera) {
+  const auto& file = capture_->cameras[camera].pictures.dark;
+  if (file.empty())
+    return {};
+  const std::string name = fmt::format("camera {}, dark", capture_->cameras[camera].name);
+  VOLUTE_ASSIGN(auto stored, readFile(camera, file, name));
+  if (!stored.there.empty() ||
+      !std::ranges::all_of(stored.image.pixels, [](float value) { return std::isfinite(value); }))
+    return fail(ErrorCode::kInvalidData, "{}: {} has pixels without a value", name, file.string());
+  darks_[camera] = std::move(stored);
+  return {};
+}
+
+Status CaptureImages::withoutDark(std::size_t camera, Stored& stored) const {
+  const Stored& dark = darks_[camera];
+  if (dark.image.pixels.empty())
+    return {};
+  if (dark.linear != stored.linear)
+    return fail(ErrorCode::kInvalidData,
+                "camera {}, dark: {} holds {}, and what it is subtracted from does not; expected "
+                "pictures of one kind",
+                capture_->cameras[camera].name, capture_->cameras[camera].pictures.dark.string(),
+                dark.linear ? "floats" : "integers");
+  subtractDark(dark.image, stored.linear, stored.image);
+  return {};
+}
+
 Status CaptureImages::openMask(std::size_t camera) {
   const PictureSource& pictures = capture_->cameras[camera].pictures;
   const auto& path = pictures.mask;
@@ -412,14 +450,15 @@ Status CaptureImages::openBackground(std::size_t camera, Progress& progress) {
   const auto& pictures = capture_->cameras[camera].pictures;
   if (!pictures.background.empty()) {
     const std::string name = fmt::format("camera {}, background", capture_->cameras[camera].name);
-    VOLUTE_ASSIGN(const auto stored, readFile(camera, pictures.background, name));
+    VOLUTE_ASSIGN(auto stored, readFile(camera, pictures.background, name));
     if (!stored.there.empty())
       return fail(ErrorCode::kInvalidData,
                   "{}: {} holds nothing for a part of its pixels (data window); expected a whole "
                   "picture",
                   name, pictures.background.string());
-    backgrounds_[camera] = linearised(camera, stored);
     backgroundsAtLeast_[camera] = saturatedIn(stored.image, stored.saturation);
+    VOLUTE_TRY(withoutDark(camera, stored));
+    backgrounds_[camera] = linearised(camera, stored);
   } else if (!capture_->emptyFrames.empty()) {
     VOLUTE_ASSIGN(backgrounds_[camera], medianBackground(camera, progress));
   }
@@ -448,21 +487,25 @@ Result<CaptureImages> CaptureImages::open(const Capture& capture, std::uint64_t 
   CaptureImages images(capture, maxMemory);
   images.masks_.resize(capture.cameras.size());
   images.transparentMasks_.resize(capture.cameras.size());
+  images.darks_.resize(capture.cameras.size());
   images.backgrounds_.resize(capture.cameras.size());
   images.backgroundsAtLeast_.resize(capture.cameras.size());
   images.beside_.resize(capture.cameras.size());
   for (std::size_t camera = 0; camera < capture.cameras.size(); ++camera) {
     VOLUTE_TRY(images.openMask(camera));
+    VOLUTE_TRY(images.openDark(camera));
     VOLUTE_TRY(images.openBackground(camera, progress));
   }
   return images;
 }
 
 Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int number, int frame) {
-  VOLUTE_ASSIGN(const Stored stored, readStored(camera, number, frame));
+  VOLUTE_ASSIGN(Stored stored, readStored(camera, number, frame));
+  auto atLeast = saturatedIn(stored.image, stored.saturation);
+  VOLUTE_TRY(withoutDark(camera, stored));
   Seen seen{number,
             linearised(camera, stored),
-            {},
+            std::move(atLeast),
             stored.transparentShare,
             stored.image.channels == 1,
             stored.mosaic,
@@ -474,7 +517,6 @@ Result<CaptureImages::Seen> CaptureImages::readSeen(std::size_t camera, int numb
             stored.channelLimits,
             stored.counts,
             stored.dividedIntegers};
-  seen.atLeast = saturatedIn(stored.image, stored.saturation);
   return seen;
 }
 
@@ -642,6 +684,7 @@ void CaptureImages::subtractBackground(std::size_t camera, CameraPicture& pictur
   picture.weight = std::move(depths.weight);
   picture.atLeast = std::move(depths.atLeast);
   picture.opaqueShare = depths.opaqueShare;
+  picture.levelLeft = depths.levelLeft;
   // Where the background is saturated it is brighter than it reads, and the depth larger.
   std::size_t lit = 0, saturated = 0;
   for (std::size_t i = 0; i < picture.weight.size(); ++i) {
@@ -732,7 +775,8 @@ Result<std::vector<std::string>> checkPicturesThere(const Capture& capture, bool
     if (!pictures.video.empty())
       VOLUTE_TRY(checkFilm(camera, capture.frames.front(), capture.frames.back(), maxMemory));
     for (const auto& [file, what] :
-         {std::pair(&pictures.background, "background"), std::pair(&pictures.mask, "mask")}) {
+         {std::pair(&pictures.background, "background"), std::pair(&pictures.dark, "dark"),
+          std::pair(&pictures.mask, "mask")}) {
       if (!file->empty() && !std::filesystem::exists(*file, error)) {
         return fail(ErrorCode::kNotFound, "camera {}, {}: there is no picture {}", camera.name,
                     what, file->string());

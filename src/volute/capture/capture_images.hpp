@@ -31,6 +31,7 @@ struct CameraPicture {
   double saturatedShare = 0;             ///< of the pixels that are not masked
   double opaqueShare = 0;             ///< of the pixels with a lit background, those without light
   double litBackgroundSaturated = 0;  ///< of them, those whose background is saturated
+  double levelLeft = 0;               ///< see OpticalDepths
   double maskedShare = 0;             ///< of all pixels
   double transparentShare = 0;        ///< of all pixels of floats, those with alpha < 1
   double transparentMask = 0;         ///< of all pixels, those that are transparent in the mask
@@ -122,12 +123,15 @@ class CaptureImages {
   Image linearised(std::size_t camera, const Stored& stored) const;
   [[nodiscard]] Result<Image> medianBackground(std::size_t camera, Progress& progress);
   [[nodiscard]] Status openMask(std::size_t camera);
+  [[nodiscard]] Status openDark(std::size_t camera);
+  [[nodiscard]] Status withoutDark(std::size_t camera, Stored& stored) const;
   [[nodiscard]] Status openBackground(std::size_t camera, Progress& progress);
 
   const Capture* capture_;
   std::uint64_t maxMemory_;
   std::vector<std::vector<char>> masks_;                       // 0 = ignore; empty: none
   std::vector<double> transparentMasks_;                       // shares of their pixels
+  std::vector<Stored> darks_;                                  // without pixels: none
   std::vector<Image> backgrounds_;                             // linear RGB; empty: none
   std::vector<std::vector<std::uint8_t>> backgroundsAtLeast_;  // as Seen::atLeast
   std::vector<std::vector<std::uint8_t>> beside_;  // pixels that show the background; empty: none

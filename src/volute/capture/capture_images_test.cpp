@@ -453,6 +453,36 @@ TEST_F(CaptureImagesTest, LitBackgroundsGiveOpticalDepths) {
   for (int c = 0; c < 3; ++c) EXPECT_NEAR(longer.radiance.at(12, 8, c), c + 1, 1e-5);
 }
 
+TEST_F(CaptureImagesTest, DarkFieldsAreSubtractedFromPicturesAndBackgrounds) {
+  Image dark = picture(0.1F, 1), seen = picture(0.1F + 0.4F, 1), lamp = picture(0.1F + 0.8F, 1);
+  dark.at(12, 8) = 0.2F;
+  seen.at(12, 8) = 0.2F + 0.2F;
+  lamp.at(12, 8) = 0.2F + 0.8F;
+  ASSERT_TRUE(ok(writeMap(folder / "dark.png", dark)));
+  ASSERT_TRUE(ok(writeMap(folder / "lamp.png", lamp)));
+  ASSERT_TRUE(ok(writeMap(folder / "p_0004.png", seen)));
+  json["kind"] = "absorption";
+  json["color"] = "linear";
+  for (int i = 0; i < 3; ++i) json["cameras"][i]["background"] = "back.exr";
+  write("back.exr", picture(0.8F));
+  json["cameras"][0]["image"] = "p_%04d.png";
+  json["cameras"][0]["background"] = "lamp.png";
+  json["cameras"][0]["dark"] = "dark.png";
+  ASSERT_VALUE(const auto read, readPicture(0, 4));
+  EXPECT_NEAR(read.radiance.at(3, 3), std::log(0.8 / 0.4), 1e-3);
+  EXPECT_NEAR(read.radiance.at(12, 8), std::log(0.8 / 0.2), 1e-3);
+  EXPECT_NEAR(read.weight[0], 0.5, 1e-3);
+  // Of light white stays white.
+  json["kind"] = "emission";
+  json["cameras"][0].erase("background");
+  ASSERT_VALUE(const auto light, readPicture(0, 4));
+  EXPECT_NEAR(light.radiance.at(12, 8) / light.radiance.at(3, 3), (0.2 / 0.8) / (0.4 / 0.9), 1e-3);
+  json["cameras"][0]["dark"] = "back.exr";
+  EXPECT_TRUE(failsWith(readPicture(0, 4), "expected pictures of one kind"));
+  json["cameras"][0]["dark"] = "none.png";
+  EXPECT_FALSE(readPicture(0, 4));
+}
+
 TEST_F(CaptureImagesTest, EvenlyLitBackgroundsAreNotTakenAsSaturated) {
   for (const char* name : {"a", "b", "c"}) write(fmt::format("back_{}.exr", name), picture(0.8F));
   for (int i = 0; i < 3; ++i)

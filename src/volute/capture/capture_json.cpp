@@ -246,6 +246,7 @@ class CameraReader {
     }
     const auto path = [this](const JsonValue& value) { return pathOf(value); };
     VOLUTE_TRY(readIfThere(value_, "background", pictures.background, path));
+    VOLUTE_TRY(readIfThere(value_, "dark", pictures.dark, path));
     VOLUTE_TRY(readIfThere(value_, "mask", pictures.mask, path));
     if (const auto gain = value_.find("gain"); gain && gain->json().is_array()) {
       VOLUTE_ASSIGN(pictures.channelGain, readLight(*gain));
@@ -419,6 +420,7 @@ Result<CaptureDraft> readCaptureJson(const std::filesystem::path& file,
                    "t",
                    "distortion",
                    "background",
+                   "dark",
                    "mask",
                    "gain",
                    "exposure",

@@ -31,7 +31,8 @@ std::string readingText(const CaptureCamera& camera, bool& missing) {
   std::error_code ignored;
   std::string text;
   for (const auto& [what, file] :
-       {std::pair("background", &pictures.background), std::pair("mask", &pictures.mask)}) {
+       {std::pair("background", &pictures.background), std::pair("dark", &pictures.dark),
+        std::pair("mask", &pictures.mask)}) {
     if (file->empty())
       continue;
     const bool there = std::filesystem::exists(*file, ignored);
@@ -81,8 +82,9 @@ void addCameras(Report& report, const Capture& capture, bool& damaged) {
                     {"eye", vectorJson(camera.camera.eye())},
                     {"pictures", pictures},
                     {"pictures_there", there}});
-    for (const auto& [what, file] : {std::pair("background", &camera.pictures.background),
-                                     std::pair("mask", &camera.pictures.mask)}) {
+    for (const auto& [what, file] :
+         {std::pair("background", &camera.pictures.background),
+          std::pair("dark", &camera.pictures.dark), std::pair("mask", &camera.pictures.mask)}) {
       if (!file->empty())
         list.back()[what] = file->string();
     }

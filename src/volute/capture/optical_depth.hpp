@@ -19,6 +19,9 @@ struct OpticalDepths {
   std::vector<std::uint8_t> atLeast;  ///< (height, width), bit c: channel c shows no light, and its
                                       ///< depth is `depth` or more; the weight is then 0
   double opaqueShare = 0;             ///< pixels with such a bound / those whose background is lit
+  /// Light / the brightest background that the darkest pixels have in common, as opaque parts do
+  /// where a black level or stray light was left in; 0: they differ.
+  double levelLeft = 0;
 };
 
 /// Light below this share of the brightest background cannot be told from none.

@@ -43,6 +43,28 @@ TEST(OpticalDepth, WhatLetsNoLightThroughIsABound) {
   EXPECT_DOUBLE_EQ(found.opaqueShare, 0.75);
 }
 
+TEST(OpticalDepth, OpaquePartsTellALevelThatWasLeftIn) {
+  constexpr int kSide = 64;
+  const auto levelOf = [](double depth, double rim, double level) {
+    Image light(kSide, kSide), back(kSide, kSide);
+    for (int y = 0; y < kSide; ++y)
+      for (int x = 0; x < kSide; ++x) {
+        const double r = std::hypot(x - 31.5, y - 31.5) / 24,
+                     lamp = 1 - 0.3 * x / static_cast<double>(kSide);
+        const double seen = lamp * std::exp(-depth / (1 + std::exp((r - 1) / rim)));
+        for (int c = 0; c < 3; ++c) {
+          back.at(x, y, c) = static_cast<float>(level + (1 - level) * lamp);
+          light.at(x, y, c) = static_cast<float>(level + (1 - level) * seen);
+        }
+      }
+    return opticalDepths(light, back, {}, 0).levelLeft;
+  };
+  EXPECT_NEAR(levelOf(12, 0.05, 0.03), 0.03, 0.003);
+  EXPECT_EQ(levelOf(12, 0.05, 0), 0);
+  EXPECT_EQ(levelOf(3, 0.3, 0), 0);
+  EXPECT_EQ(levelOf(1, 0.05, 0.03), 0) << "nothing is opaque";
+}
+
 TEST(OpticalDepth, NothingIsKnownWithoutABackgroundOrPixel) {
   const Image light = greyRow({0.5F, 0.0005F, 0.5F}), back = greyRow({1, 0.001F, 1});
   const std::vector<float> counts{0, 1, 1};

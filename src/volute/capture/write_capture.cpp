@@ -85,6 +85,8 @@ Json cameraJson(const CaptureCamera& known, double framesPerSecond,
     json["reprojection_error"] = known.reprojectionError;
   if (!pictures.background.empty())
     json["background"] = path(pictures.background);
+  if (!pictures.dark.empty())
+    json["dark"] = path(pictures.dark);
   if (!pictures.mask.empty())
     json["mask"] = path(pictures.mask);
   if ((pictures.channelGain != 1).any())

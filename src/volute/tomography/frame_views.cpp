@@ -149,7 +149,8 @@ Result<FrameViews> ViewReader::read(int frame) {
                picture->channelLimits,
                1,
                picture->counts,
-               picture->dividedIntegers};
+               picture->dividedIntegers,
+               picture->levelLeft};
     }
     result.facts.push_back(facts);
     result.views.push_back(viewOf(camera, std::move(*picture)));

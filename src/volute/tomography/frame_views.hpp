@@ -32,6 +32,7 @@ struct PictureFacts {
   double gain = 1;    ///< of this frame, where that is found for each
   double counts = 0;  ///< floats, as CameraPicture has them
   bool dividedIntegers = false;
+  double levelLeft = 0;     ///< of absorption, as CameraPicture has it
   bool gainUntold = false;  ///< the gain of this frame: too few cameras tell it
 };
 

@@ -312,6 +312,15 @@ void checkOpaque(const PictureFacts& facts, const std::string& name, PictureFind
       name, 100 * facts.opaqueShare));
 }
 
+void checkLevel(const PictureFacts& facts, const std::string& name, PictureFindings& findings) {
+  if (facts.levelLeft > 0)
+    findings.warnings.push_back(
+        fmt::format("{}: the darkest pixels all read {:.2g} % of the brightest background: a black "
+                    "level (state "
+                    "\"dark\" or \"black\"), stray light, or something in the way (mask it)?",
+                    name, 100 * facts.levelLeft));
+}
+
 /// A background at white is brighter than that by nobody knows how much.
 void checkSaturatedBackground(const PictureFacts& facts, const std::string& name,
                               PictureFindings& findings) {
@@ -448,6 +457,7 @@ PictureFindings checkPictures(const FrameViews& views, const VolumeGeometry& geo
     checkDrift(views.facts[i], name, findings);
     checkOpaque(views.facts[i], name, findings);
     checkSaturatedBackground(views.facts[i], name, findings);
+    checkLevel(views.facts[i], name, findings);
     checkPlace(views.views[i], counts[i], name, borders, findings);
     if (views.facts[i].transparentMask > 0) {
       findings.warnings.push_back(

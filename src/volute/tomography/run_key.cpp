@@ -47,7 +47,7 @@ std::string describe(const CaptureCamera& known) {
   // A table's name does not tell its values.
   for (int i = 0; pictures.response && i <= 64; ++i)
     text += fmt::format("{} ", pictures.response->linear(i / 64.0));
-  for (const auto& file : {pictures.background, pictures.mask, pictures.video}) {
+  for (const auto& file : {pictures.background, pictures.dark, pictures.mask, pictures.video}) {
     if (!file.empty())
       text += stateOf(file);
   }
