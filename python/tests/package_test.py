@@ -2027,6 +2027,18 @@ print(len(reader.TimestepValues), *reader.GetDataInformation().GetExtent(), read
         with self.assertRaisesRegex(ValueError, "at most 1e.12 m"):
             sight.look([-1e300, 5, 5], [1e300, 5, 5])
 
+    def test_pictures_of_one_scene_say_a_remark_once(self):
+        scene = volute.Scene(np.ones((2, 2, 2)), bounds=((0, 0, 0), (1, 1, 1)), extinction=1.0)
+        camera = {"eye": [-5, 0.5, 0.5], "target": [0, 0.5, 0.5], "fov": 1}
+        with self.assertLogs("volute", "WARNING") as log:
+            for _ in range(3):
+                scene.render(camera=camera, size=(2, 2))
+                scene.picture(camera=camera, size=(2, 2))
+        self.assertEqual(sum("is it in radians?" in line for line in log.output), 1, log.output)
+        with self.assertLogs("volute", "WARNING") as log:
+            scene.render(camera=camera | {"fov": 1.5}, size=(2, 2))
+        self.assertIn("fov 1.5 degrees", log.output[0])
+
     def test_remarks_on_units_are_told(self):
         points, cells = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4.0]]), [[0, 1, 2, 3]]
         mesh = volute.Mesh(points, cells, {"soot": np.full((2, 4), 13.0) * [[0], [1]]}, times=[0, 60])

@@ -10,12 +10,13 @@ _WARNINGS = ("doubtful", "changed", "damaged", "left-out")
 class Listener:
     """Hears a long call. `progress` is None, a function (stage, done, total) or True: a bar by tqdm where that is installed.
     Remarks go to the logger "volute", with `code`, `file`, `place` and `hints`: as warnings where the result may not be what was
-    expected."""
+    expected. `told`: a set of those of earlier calls, which are not said again."""
 
-    def __init__(self, progress=None):
+    def __init__(self, progress=None, told=None):
         if progress is not None and progress is not True and progress is not False and not callable(progress):
             raise TypeError("progress: expected a function (stage, done, total), True or None")
         self._call = progress if callable(progress) else None
+        self._told = told
         self._bars = None
         if progress is True:
             try:
@@ -37,6 +38,10 @@ class Listener:
             self._bar.update(done - self._bar.n)
 
     def remark(self, text, code="note", file="", place="", hints=()):
+        if self._told is not None:
+            if text in self._told:
+                return
+            self._told.add(text)
         level = logging.WARNING if code in _WARNINGS else logging.INFO
         _log.log(level, "%s", text, extra={"code": code, "file": file, "place": place, "hints": list(hints)})
 

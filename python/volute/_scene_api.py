@@ -203,6 +203,7 @@ class Scene:
         self._given = source, {"folder": os.path.abspath(folder), "max_memory": self._max_memory, **members}
         self._maker = _maker_of(self._volumes, source, folder, members)
         self._added = self._volumes.take()
+        self._told = set()  # what pictures said: not again with each
         self._open(progress)
 
     def __reduce__(self):
@@ -287,7 +288,7 @@ class Scene:
                 self._scene.keep([one[0] for one in self._added])
                 raise
         self._keep_named(new, self._added + more)
-        self._maker, self._shown, self._deep = ("make", (new, self._scene.path)), None, None
+        self._maker, self._shown, self._deep, self._told = ("make", (new, self._scene.path)), None, None, set()
         self._given = given, {"folder": os.path.dirname(os.path.abspath(self._scene.path)), "max_memory": self._max_memory}
         if self._unclear:
             self._open(progress)
@@ -363,7 +364,7 @@ class Scene:
         self._scene.path  # says that it is closed
         if aov is not None and (self._maker[0] == "open" or any(one.get("kind") == "volume" and "extinction" not in one for one in self.json.get("media", []))):
             self._deep = scene = self._deep or self._opened(True, progress, depth=True)
-        with Listener(progress) as listener:
+        with Listener(progress, self._told) as listener:
             return scene.render(said, listener)
 
     def picture(self, time=None, *, camera=None, size=None, background=None, exposure=None, tone=None, samples=8, bloom=0.0, colormap=None,
@@ -379,7 +380,7 @@ class Scene:
             `interpolate` is "auto", "velocity" or "linear"."""
         said = {"time": None if time is None else number("time", time), **_view(camera, size, background),
                 **_look(exposure, tone, samples, bloom, colormap, legend, shutter), "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
-        with Listener(progress) as listener:
+        with Listener(progress, self._told) as listener:
             return self._pictured(progress).picture(said, listener)
 
     def film(self, path, *, frames=None, speed=1.0, orbit=None, camera=None, size=None, background=None, exposure=None, tone=None, samples=8,
@@ -395,7 +396,7 @@ class Scene:
                 "renderer": _choice("renderer", renderer, ("cpu", "gl"))}
         if not said["speed"] > 0:
             raise ValueError(f"speed={speed!r}: expected a number above 0")
-        with Listener(progress) as listener:
+        with Listener(progress, self._told) as listener:
             self._pictured(progress).film(said, listener)
 
     def __repr__(self):
