@@ -21,18 +21,24 @@ def floor(z=0.0, half=50.0):
     return [(-half, -half, z), (half, -half, z), (half, half, z), (-half, half, z)]
 
 
-def glb(points):
+def glb(points, material=None):
     """A triangle that glows green."""
-    binary = b"".join(struct.pack("<3f", *point) for point in points)
-    text = json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    return glb_of(b"".join(struct.pack("<3f", *point) for point in points), material=material)
+
+
+def glb_of(binary, view=None, accessor=None, scale=1, material=None):
+    size = len(binary)
+    quantized = {"extensionsRequired": ["KHR_mesh_quantization"]} if accessor else {}
+    text = json.dumps(quantized | {
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "scale": [scale] * 3}],
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-        "materials": [{"emissiveFactor": [0, 1, 0]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36}]}).encode()
+        "materials": [material or {"emissiveFactor": [0, 1, 0]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"} | (accessor or {})],
+        "bufferViews": [{"buffer": 0, "byteLength": size} | (view or {})], "buffers": [{"byteLength": size}]}).encode()
     text += b" " * (-len(text) % 4)
-    return (struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + 36, len(text), 0x4E4F534A) + text +
-            struct.pack("<II", 36, 0x004E4942) + binary)
+    padded = binary + b"\0" * (-size % 4)
+    return (struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(padded), len(text), 0x4E4F534A) + text +
+            struct.pack("<II", len(padded), 0x004E4942) + padded)
 
 
 class Geometry(support.TestCase):
@@ -92,6 +98,29 @@ class Geometry(support.TestCase):
         picture = self.render()
         self.assertEqual(picture.at(5, 3), 9)
         self.assertEqual(picture.at(2, 3, 1), 1)
+
+    def test_unlit_materials_have_their_colour_in_any_light(self):
+        self.path("tri.glb").write_bytes(glb([(-9, -9, 0), (9, -9, 0), (0, 9, 0)], material={
+            "pbrMetallicRoughness": {"baseColorFactor": [0.8, 0.4, 0.2, 1]}, "emissiveFactor": [1, 1, 1],
+            "extensions": {"KHR_materials_unlit": {}}}))
+        self.scene |= {"geometry": [{"file": "tri.glb"}], "lights": [{"kind": "ambient", "radiance": [0.1, 0.1, 0.1]}]}
+        picture = self.render()
+        for c, expected in enumerate((0.8, 0.4, 0.2)):
+            self.assertAlmostEqual(picture.at(4, 4, c), expected, places=6)
+
+    def test_quantized_positions_are_read(self):
+        triangle = [(-1, 0, 0), (1, 0, 0), (0, 1, 0)]
+        for kind, form, largest, normalized in ((5122, "h", 32767, True), (5120, "b", 127, True), (5122, "h", 200, False)):
+            binary = b"".join(struct.pack(f"<4{form}", *(round(largest * x) for x in point), 0) for point in triangle)
+            self.path("small.glb").write_bytes(glb_of(binary, {"byteStride": len(binary) // 3}, {"componentType": kind, "normalized": normalized},
+                                                      scale=4 / (1 if normalized else largest)))
+            self.path("tri.glb").write_bytes(glb([(-4, 0, 0), (4, 0, 0), (0, 4, 0)]))
+            seen = []
+            for name in ("small.glb", "tri.glb"):
+                self.scene["geometry"] = [{"file": name}]
+                seen.append(self.render().values)
+            self.assertEqual(*seen)
+            self.assertGreater(len(set(seen[0])), 1)
 
     def test_up_y_turns_the_file(self):
         # Upright in a file whose y is up: seen from above it is a line, from the front a triangle.
@@ -157,6 +186,33 @@ class Geometry(support.TestCase):
         self.scene["geometry"] = [{"file": "floor.obj", "transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3, 0, 0, 0, 1]}]
         self.assertAlmostEqual(self.render("--aov", "optical-depth").at(4, 4), 0.1, places=5)
         self.assertAlmostEqual(self.render("--aov", "transmittance").at(4, 4), math.exp(-0.1), places=5)
+
+    def test_a_clip_leaves_shadows_as_they_are(self):
+        # The sun comes through all of the fog; what is clipped is not seen on the way back.
+        self.scene |= {"format": "volute-scene-2", "media": [self.fog(0.1, 4, albedo=[0, 0, 0])],
+                       "lights": [{"kind": "sun", "direction": [0, 0, -1], "radiance": [1, 1, 1]}]}
+        for clip, shown in (([], 0.4), ([{"kind": "plane", "point": [0, 0, 1], "normal": [0, 0, 1]}], 0.1),
+                            ([{"kind": "box", "min": [40, 40, 5], "max": [41, 41, 6]}], 0)):
+            self.scene["clip"] = clip
+            for renderer in ("cpu", "reference"):
+                picture = self.render("--renderer", renderer)
+                self.assertAlmostEqual(picture.at(4, 4), 0.8 / math.pi * math.exp(-0.4 - shown), places=5)
+
+    def test_a_roof_shades_a_volume_on_any_ground(self):
+        write_npy(self.path("block.npy"), (1, 4, 4, 4), [1.0] * 64)
+        self.scene |= {"format": "volute-scene-2", "background": [0, 0, 0],
+                       "lights": [{"kind": "spot", "position": [0, 0, 2], "target": [0, 0, 0], "angle": 60, "intensity": [9, 9, 9]}]}
+        for half, place in ((5, (0, 0)), (20000, (0, 0)), (5, (500000, 5700000))):
+            self.path("floor.obj").write_text(obj(floor(-0.5, half), [(-1, -1, 1.9), (1, -1, 1.9), (1, 1, 1.9), (-1, 1, 1.9)]))
+            moved = [1, 0, 0, place[0], 0, 1, 0, place[1], 0, 0, 1, 0, 0, 0, 0, 1]
+            self.scene |= {"camera": {"eye": [place[0], place[1] - 9, 0.5], "target": [*place, 0.5], "ortho": 0.5, "size": [4, 4]},
+                           "media": [{"kind": "volume", "file": "block.npy", "bounds": [[-0.5, -0.5, 0], [0.5, 0.5, 1]],
+                                      "extinction": 1, "emission": 0, "albedo": [1, 1, 1], "transform": moved}]}
+            self.scene["lights"][0] |= {"position": [*place, 2], "target": [*place, 0]}
+            for roof in (True, False):
+                self.scene["geometry"] = [{"file": "floor.obj", "transform": moved}] if roof else []
+                picture = self.render("--renderer", "cpu")
+                self.assertEqual(max(picture.values) > 0, not roof, (half, place))
 
     def test_geometry_shadows_the_sun_in_the_fog(self):
         """A roof over half of thin fog, seen from the side: lit and dark parts of a ray, in closed form."""

@@ -14,6 +14,7 @@
 #include "volute/base/stopwatch.hpp"
 #include "volute/camera/pixel_ray.hpp"
 #include "volute/render/scaled_medium.hpp"
+#include "volute/scene/clip.hpp"
 #include "volute/scene/surface_stack.hpp"
 
 namespace volute {
@@ -285,6 +286,19 @@ Result<std::vector<AnyMedium>> CpuRenderer::mediaFor(const View& view) const {
   return all;
 }
 
+/// What takes light on its way to surfaces: a clip changes what is shown alone.
+Result<std::vector<AnyMedium>> CpuRenderer::wholeFor(const View& view) const {
+  std::vector<AnyMedium> all;
+  for (std::size_t i = 0; i < made_.size(); ++i) {
+    const MediumSnapshot& medium = *view.snapshot.media[i];
+    if (pictures_[i] || clipOf(medium))
+      VOLUTE_TRY(unclipped(medium).addMediaFor(view.camera, all));
+    else
+      all.insert(all.end(), made_[i].begin(), made_[i].end());
+  }
+  return all;
+}
+
 Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progress) {
   const SceneSnapshot& snapshot = view.snapshot;
   // Lamps' light is always attenuated physically, whatever the picture's law.
@@ -295,7 +309,7 @@ Result<SurfacePicture> CpuRenderer::surfaces(const View& view, Progress& progres
   }
   std::vector<AnyMedium> media;
   if (!ofAll) {
-    VOLUTE_ASSIGN(media, mediaFor(view));
+    VOLUTE_ASSIGN(media, wholeFor(view));
   }
   for (AnyMedium& medium : media) medium = scaledBy(1 / snapshot.law.factor(), medium);
   const SurfaceScene scene{snapshot.geometry,       snapshot.lights.lamps,

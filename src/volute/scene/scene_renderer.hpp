@@ -130,6 +130,7 @@ class CpuRenderer final : public SceneRenderer {
   Renderer method_;
   /// All media for the camera, in the snapshot's order.
   [[nodiscard]] Result<std::vector<AnyMedium>> mediaFor(const View& view) const;
+  [[nodiscard]] Result<std::vector<AnyMedium>> wholeFor(const View& view) const;
 
   std::vector<std::shared_ptr<MediumPicture>> kept_;  ///< for other snapshots
   std::vector<std::shared_ptr<MediumPicture>>
