@@ -340,6 +340,34 @@ class Lights(SmokeCase):
             expected = 10 / (4 * math.pi) * math.exp(-0.2 * (1 - z)) * (1 - math.exp(-2))
             self.assertAlmostEqual(self.value(scene) / expected, 1, delta=1e-3)
 
+    def test_a_house_of_the_same_plan_keeps_the_light_on_its_side(self):
+        """Walls of the mesh that geometry shows, too, some of them off by rounding."""
+        house = ((-2, -2, 0), (2, 2, 3))
+        self.path("house.mtl").write_text("newmtl black\nKd 0 0 0\n")
+        self.slab(0.3, low=house[0], high=house[1], cells=(8, 8, 6))
+
+        def seen(light, off, ground):
+            low, high = [x - (off or 0) for x in house[0]], [x + (off or 0) for x in house[1]]
+            corners = [(x, y, z) for z in (low[2], high[2]) for y in (low[1], high[1]) for x in (low[0], high[0])]
+            faces = ((1, 2, 4, 3), (5, 6, 8, 7), (1, 2, 6, 5), (3, 4, 8, 7), (1, 3, 7, 5), (2, 4, 8, 6))
+            corners += [(-ground, -ground, -9), (ground, -ground, -9), (0, ground, -9)]
+            self.path("house.obj").write_text("mtllib house.mtl\nusemtl black\n" + "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in corners) +
+                                              "".join(f"f {' '.join(map(str, face))}\n" for face in (*faces, (9, 10, 11))))
+            parts = {"geometry": [{"file": "house.obj"}]} if off is not None else {}
+            _, _, channels, _ = self.picture(self.scene([-1.7, -1.6, 1.4], [2, 1.5, 1.6], lights=[light], fov=70, size=(16, 12),
+                                                        smoke={"albedo": [0.9] * 3}, **parts))
+            return channels["R"]
+
+        sun = {"kind": "sun", "direction": [0.3, 0.2, -1], "radiance": [3, 3, 3]}
+        above = {"kind": "spot", "position": [0.3, 0.2, 4.5], "target": [0, 0, 0], "angle": 100, "intensity": [60, 60, 60]}
+        inside = {"kind": "spot", "position": [0.3, 0.2, 2.8], "target": [0, 0, 0], "angle": 360, "intensity": [9, 9, 9]}
+        alone = seen(inside, None, 0)
+        for off, ground in ((0, 1), (2e-5, 1), (-2e-5, 1), (0, 20000)):
+            for light in (sun, above):
+                self.assertEqual(max(seen(light, off, ground)), 0, (off, ground))
+            for value, open_air in zip(seen(inside, off, ground), alone):
+                self.assertAlmostEqual(value / open_air, 1, delta=2e-4)
+
     def room(self, mode="photometric", extinction=0.2, cells=(20, 20, 15), **parts):
         """Looks from 1 m above at (0.3, 0.4) of the floor, below a lamp at 2 m."""
         self.slab(extinction, low=(-2, -2, 0), high=(2, 2, 3), cells=cells)

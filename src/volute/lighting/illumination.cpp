@@ -29,7 +29,7 @@ ArrivingLight::ArrivingLight(const Illumination& light, const Box3& lit)
 }
 
 void ArrivingLight::takeFrom(std::size_t lamp, std::span<const Vec3> points,
-                             std::span<float> shares, bool surfaces) const {
+                             std::span<float> shares, bool surfaces, double lift) const {
   constexpr std::size_t kTogether = 512;
   const bool blocks = surfaces && blocks_;
   if (!blocks && fields_.empty())
@@ -39,7 +39,7 @@ void ArrivingLight::takeFrom(std::size_t lamp, std::span<const Vec3> points,
     std::vector<Segment> ways;
     for (std::size_t i = begin; i < end; ++i) {
       if (shares[i] > 0)
-        lit.push_back(i), ways.push_back(lamps_[lamp].towards(points[i]));
+        lit.push_back(i), ways.push_back(lamps_[lamp].towards(points[i])), ways.back().begin = lift;
     }
     std::vector<std::uint8_t> blocked(ways.size(), 0);
     if (blocks && !ways.empty())

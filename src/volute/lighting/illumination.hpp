@@ -35,8 +35,12 @@ class ArrivingLight {
 
   /// Multiplies shares of a lamp's light, 0..1, that pass the medium itself.
   /// @param surfaces  whether they have not taken their part before
+  /// @param lift  surfaces nearer to a point than this on its way are not in the way [m]
   void takeFrom(std::size_t lamp, std::span<const Vec3> points, std::span<float> shares,
-                bool surfaces = true) const;
+                bool surfaces = true, double lift = 0) const;
+
+  /// Whether there are any surfaces.
+  bool hasSurfaces() const { return static_cast<bool>(blocks_); }
 
  private:
   std::vector<Lamp> lamps_;

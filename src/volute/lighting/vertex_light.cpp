@@ -9,6 +9,7 @@
 
 #include "volute/base/assert.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/lighting/inner_points.hpp"
 #include "volute/lighting/lamp_runs.hpp"
 #include "volute/lighting/share_fit.hpp"
 
@@ -294,19 +295,26 @@ std::vector<float> LampPaths::shares(std::span<const float> extinction, const La
 
 std::vector<float> LampPaths::means(
     std::span<const float> extinction, const Lamp& lamp, std::span<const float> shares,
-    const std::function<void(std::span<const Vec3>, std::span<float>)>& others) const {
+    const std::function<void(std::span<const Vec3>, std::span<float>)>& others,
+    double inside) const {
   const ShareFit fit(locator_->mesh(), extinction, shares);
   const auto places = fit.places();
-  const bool inside = lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
+  const bool lampInside = lamp.kind == Lamp::Kind::kSpot && locator_->find(lamp.position) >= 0;
   std::vector<float> there(places.size());
   parallelRanges(there.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       there[i] = static_cast<float>(
-          lampShareAt(*locator_, extinction, lamp.towards(places[i]), fit.tets()[i], inside));
+          lampShareAt(*locator_, extinction, lamp.towards(places[i]), fit.tets()[i], lampInside));
     }
   });
-  if (others)
+  if (others && inside > 0) {
+    std::vector<Vec3> inner(places.begin(), places.end());
+    for (std::size_t i = 0; i < inner.size(); ++i)
+      inner[i] = innerPoint(locator_->mesh(), fit.tets()[i], places[i], inside);
+    others(inner, there);
+  } else if (others) {
     others(places, there);
+  }
   return *fit.fitted(there);
 }
 
@@ -341,13 +349,22 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient, const DiffuseLight* again) {
+                                  const Rgb& ambient, const DiffuseLight* again,
+                                  std::span<const std::vector<VertexIrradiance>> spread) {
   std::vector<float> light(3 * points.size());
   parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::vector<VertexIrradiance>::const_iterator> next;
+    for (const auto& values : spread) {
+      next.push_back(std::ranges::lower_bound(values, static_cast<std::int32_t>(begin), {},
+                                              &VertexIrradiance::vertex));
+    }
     for (std::size_t i = begin; i < end; ++i) {
       Rgb arriving = Rgb::Zero();
-      for (std::size_t l = 0; l < lamps.size(); ++l)
-        arriving += shares[l][i] * lamps[l].irradiance(points[i]);
+      for (std::size_t l = 0; l < lamps.size(); ++l) {
+        const bool instead = l < next.size() && next[l] != spread[l].end() &&
+                             static_cast<std::size_t>(next[l]->vertex) == i;
+        arriving += shares[l][i] * (instead ? (next[l]++)->value : lamps[l].irradiance(points[i]));
+      }
       Rgb source = arriving / (4 * std::numbers::pi) + ambient;
       if (again)
         source += again->at(points[i]);

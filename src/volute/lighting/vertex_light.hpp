@@ -11,6 +11,7 @@
 
 #include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/lamp.hpp"
+#include "volute/lighting/vertex_spread.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
 namespace volute {
@@ -36,9 +37,11 @@ class LampPaths {
   /// tet (ShareFit).
   /// @param shares  those at vertices, also less what others take
   /// @param others  takes what is not the mesh's from shares at points; may be empty
+  /// @param inside  so far inside of their tets others see the points [m]
   std::vector<float> means(
       std::span<const float> extinction, const Lamp& lamp, std::span<const float> shares,
-      const std::function<void(std::span<const Vec3>, std::span<float>)>& others) const;
+      const std::function<void(std::span<const Vec3>, std::span<float>)>& others,
+      double inside = 0) const;
 
   const std::shared_ptr<const TetLocator>& locator() const { return locator_; }
 
@@ -68,9 +71,11 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 /// Radiance of infinitely thick smoke at each vertex, three each: lamps' light scattered once, the
 /// same in all directions, plus `ambient` that comes from everywhere and is not attenuated.
 /// `shares` has one list for each lamp. Albedo is the share of what smoke takes from light that it
-/// sends on. `again`, what was scattered before, may be null.
+/// sends on. `again`, what was scattered before, may be null. `spread` has none or a list for each
+/// lamp: spreadIrradiance().
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient, const DiffuseLight* again = nullptr);
+                                  const Rgb& ambient, const DiffuseLight* again = nullptr,
+                                  std::span<const std::vector<VertexIrradiance>> spread = {});
 
 }  // namespace volute

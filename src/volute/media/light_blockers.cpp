@@ -7,22 +7,23 @@
 namespace volute {
 namespace {
 
-/// Vertices of a mesh lie on the walls that the geometry shows, but for the rounding of two files:
-/// of the geometry's size, and of coordinates as float. So may lamps.
-constexpr double kLift = 1e-5;
-constexpr double kTransformRounding = 2.5e-7;
+constexpr double kLift = 1e-5;       ///< [m]
+constexpr double kRounding = 1e-14;  ///< of the coordinates
 
 }  // namespace
+
+double surfaceLift(const Vec3& point) {
+  return kLift + kRounding * point.cwiseAbs().maxCoeff();
+}
 
 Blocks blocksOf(const TriangleScene& geometry) {
   if (geometry.empty())
     return {};
   return [geometry](std::span<const Segment> segments, std::span<std::uint8_t> blocked) {
-    const double lift = kLift * (1 + geometry.bounds().size().maxCoeff());
     std::vector<Segment> lifted(segments.begin(), segments.end());
     for (Segment& segment : lifted) {
-      const double from = lift + kTransformRounding * segment.origin.cwiseAbs().maxCoeff();
-      segment.begin += from, segment.end -= from;
+      const double lift = surfaceLift(segment.origin);
+      segment.begin += lift, segment.end -= lift;
     }
     geometry.occluded(lifted, blocked);
   };

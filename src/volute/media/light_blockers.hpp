@@ -9,7 +9,12 @@
 
 namespace volute {
 
-/// What stands between lamps and a medium; empty where there is no geometry.
+/// How far a way begins from its point and ends before its lamp, either of which may be on a
+/// surface, to the rounding of its own coordinates [m].
+double surfaceLift(const Vec3& point);
+
+/// What stands between lamps and a medium; empty where there is no geometry. Where ways begin
+/// later, nothing is in the way before that.
 Blocks blocksOf(const TriangleScene& geometry);
 
 /// Shadows of geometry as intervals of segments, exactly.

@@ -8,6 +8,7 @@
 #include "volute/base/parallel.hpp"
 #include "volute/base/remark_log.hpp"
 #include "volute/camera/pixel_ray.hpp"
+#include "volute/lighting/inner_points.hpp"
 #include "volute/media/light_blockers.hpp"
 #include "volute/media/medium_kind.hpp"
 #include "volute/media/shared_picture.hpp"
@@ -246,9 +247,14 @@ void SmokeSnapshot::light(const Illumination& light) const {
       return;
     const AnyMedium smoke(TetMedium(state_.locator, state_.extinction, {}));
     const auto again = light.again(smoke, smoke.bounds(), {state_.albedo});
+    std::vector<std::vector<VertexIrradiance>> spread;
+    for (const Lamp& lamp : light.lamps) {
+      if (!team_)  // pieces do not know the cells of others
+        spread.push_back(spreadIrradiance(*state_.locator, lamp));
+    }
     state_.source = scatteredLight(state_.locator->mesh().vertices(), light.lamps,
                                    state_.lampMeans.empty() ? state_.lampShares : state_.lampMeans,
-                                   state_.albedo, light.ambient, again.get());
+                                   state_.albedo, light.ambient, again.get(), spread);
   });
 }
 
@@ -265,6 +271,7 @@ std::shared_ptr<const MediumSnapshot> SmokeSnapshot::litBy(const MediaLight& oth
     return nullptr;
   const TetMesh& mesh = state_.locator->mesh();
   const ArrivingLight arriving(light, mesh.bounds());
+  const InnerSide side(mesh, arriving.hasSurfaces());
   auto lit = std::make_shared<SmokeSnapshot>(state_, factor_, lighting_, walls_);
   std::vector<std::vector<float>>& shares = lit->state_.lampShares;
   const LampPaths paths(state_.locator);
@@ -272,12 +279,14 @@ std::shared_ptr<const MediumSnapshot> SmokeSnapshot::litBy(const MediaLight& oth
   for (std::size_t l = 0; l < light.lamps.size(); ++l) {
     if (l >= own)
       shares.push_back(paths.shares(state_.extinction, light.lamps[l]));
-    arriving.takeFrom(l, mesh.vertices(), shares[l], l >= own);  // from its own they have taken
-    lit->state_.lampMeans.push_back(
-        paths.means(state_.extinction, light.lamps[l], shares[l],
-                    [&](std::span<const Vec3> points, std::span<float> there) {
-                      arriving.takeFrom(l, points, there);
-                    }));
+    const bool surfaces = l >= own;  // from its own they have taken
+    arriving.takeFrom(l, side.vertices(), shares[l], surfaces, side.rounding());
+    lit->state_.lampMeans.push_back(paths.means(
+        state_.extinction, light.lamps[l], shares[l],
+        [&](std::span<const Vec3> points, std::span<float> there) {
+          arriving.takeFrom(l, points, there, true, side.rounding());
+        },
+        side.lift()));
   }
   lit->state_.source.clear();
   lit->light(light);

@@ -16,6 +16,7 @@
 #include "volute/base/plain_number.hpp"
 #include "volute/base/stopwatch.hpp"
 #include "volute/io/foam_files.hpp"
+#include "volute/lighting/inner_points.hpp"
 #include "volute/lighting/share_fit.hpp"
 #include "volute/media/clock_fields.hpp"
 #include "volute/media/medium_kind.hpp"
@@ -440,7 +441,7 @@ Result<std::shared_ptr<const SmokeMedium::Stored>> SmokeMedium::readStep(std::si
   if (!stored->paths) {
     stored->paths = std::make_shared<const LampPaths>(
         std::make_shared<const TetLocator>(frame.mesh, frame.walls));
-    constexpr double kVersion = 2;  // of LampPaths: another one, other light
+    constexpr double kVersion = 3;  // of LampPaths: another one, other light
     stored->meshHash.add(kVersion);
     static_assert(sizeof(Vec3) == 3 * sizeof(double));
     stored->meshHash.add(frame.mesh->vertices());
@@ -502,11 +503,14 @@ std::vector<float> SmokeMedium::lightOf(const Step& step, const Lamp& lamp) {
     kept = paths.shares(step.extinction, lamp);
     const TetMesh& mesh = *step.stored->frame.mesh;
     const ArrivingLight arriving({.lamps = {lamp}, .blocks = lighting_->blocks}, mesh.bounds());
-    arriving.takeFrom(0, mesh.vertices(), *kept);
-    const auto means = paths.means(step.extinction, lamp, *kept,
-                                   [&](std::span<const Vec3> points, std::span<float> shares) {
-                                     arriving.takeFrom(0, points, shares);
-                                   });
+    const InnerSide side(mesh, arriving.hasSurfaces());
+    arriving.takeFrom(0, side.vertices(), *kept, true, side.rounding());
+    const auto means = paths.means(
+        step.extinction, lamp, *kept,
+        [&](std::span<const Vec3> points, std::span<float> shares) {
+          arriving.takeFrom(0, points, shares, true, side.rounding());
+        },
+        side.lift());
     kept->insert(kept->end(), means.begin(), means.end());
     ++counts_.lightsComputed;
     if (cache && fillsCache_) {

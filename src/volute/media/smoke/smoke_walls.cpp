@@ -9,6 +9,7 @@
 
 #include "volute/base/mask.hpp"
 #include "volute/base/parallel.hpp"
+#include "volute/lighting/inner_points.hpp"
 
 namespace volute {
 namespace {
@@ -73,7 +74,8 @@ class LampsOnWalls {
         blocks_(blocks),
         walls_(walls),
         request_{*smoke.locator, smoke.extinction, walls, lights.lamps},
-        known_(known) {
+        known_(known),
+        lift_(blocks ? InnerSide::kLift * wallRounding(smoke.locator->mesh()) : 0) {
     request_.view = view;
     if (const WallInterval& between = smoke.interval; between.light) {
       request_.extinction = *between.from, request_.later = *between.to;
@@ -104,7 +106,7 @@ class LampsOnWalls {
         continue;
       shares.resize(lit.size());
       known_.shares(request_, l, face, near, shares);
-      leaveOutBlocked(lamp, points, lit, shares);
+      leaveOutBlocked(lamp, lift_ * wall.inwards, points, lit, shares);
       for (std::size_t i = 0; i < lit.size(); ++i)
         light[lit[i]] += shares[i] * reflected[i] * lamp.intensity;
     }
@@ -132,13 +134,14 @@ class LampsOnWalls {
     return lamp.coneCosine > -1 ? lamp.coneShare(point) * all : all;
   }
 
-  void leaveOutBlocked(const Lamp& lamp, std::span<const Vec3> points,
+  /// @param inwards  from a wall that others may show a little before it
+  void leaveOutBlocked(const Lamp& lamp, const Vec3& inwards, std::span<const Vec3> points,
                        std::span<const std::size_t> lit, std::span<double> shares) const {
     if (!blocks_)
       return;
     std::vector<Segment> ways;
     ways.reserve(lit.size());
-    for (const std::size_t i : lit) ways.push_back(lamp.towards(points[i]));
+    for (const std::size_t i : lit) ways.push_back(lamp.towards(points[i] + inwards));
     std::vector<std::uint8_t> blocked(lit.size(), 0);
     blocks_(ways, blocked);
     for (std::size_t i = 0; i < lit.size(); ++i) {
@@ -153,6 +156,7 @@ class LampsOnWalls {
   const MeshWalls& walls_;
   WallLight::Request request_;
   WallLight& known_;
+  double lift_;  ///< [m]
 };
 
 constexpr double kGap = 1e-6;  ///< [m] between tets that counts as outside

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "volute/base/parallel.hpp"
+#include "volute/media/light_blockers.hpp"
 
 namespace volute {
 namespace {
 
 constexpr std::size_t kRaysTogether = 512;
-constexpr double kOnSurface = 1e-5;  // of the surfaces' size: so near to one is on it
 
 std::pair<BrickPlace, std::size_t> brickOf(const std::array<std::int32_t, 3>& place) {
   constexpr int kSide = BrickSlice::kSide;
@@ -155,12 +155,12 @@ std::int32_t LightAtSurfaces::numberAt(const Place& place) const {
 }
 
 std::vector<LightAtSurfaces::Hidden> LightAtSurfaces::hiddenFrom(const VolumeView& view) const {
-  const double lift = kOnSurface * (1 + surfaces_.bounds().size().maxCoeff());
   // A point on a surface may be lit from either side: it counts as behind it.
   std::vector<std::uint8_t> blocked(points_.size());
   parallelRanges(points_.size(), kRaysTogether, [&](std::size_t begin, std::size_t end) {
     std::vector<Segment> ways;
     for (std::size_t i = begin; i < end; ++i) {
+      const double lift = surfaceLift(positions_[i]);
       if (view.parallel) {
         ways.push_back(
             {positions_[i], -view.at.normalized(), -lift, std::numeric_limits<double>::infinity()});
@@ -182,6 +182,7 @@ std::vector<LightAtSurfaces::Hidden> LightAtSurfaces::hiddenFrom(const VolumeVie
       if (!blocked[i])
         continue;
       Hidden& one = hidden[i];
+      const double lift = surfaceLift(positions_[i]);
       one.point = points_[i];
       const Place& at = one.point.place;
       float sum = 0;
