@@ -417,6 +417,7 @@ std::shared_ptr<const VolumeLight> VolumeLight::withLamps(
   std::call_once(more->gathered_, [&] {
     more->lampShares_ = lampShares_, more->even_ = even_;
     more->lampShares_.resize(more->lighting_.lamps.size());
+    more->findSpreads();
     const ArrivingLight arriving(more->illumination(), bounds());
     for (std::size_t l = own; l < more->lampShares_.size(); ++l) more->addShares(l, arriving);
     std::call_once(more->beside_, [&] { more->atSurfaces_ = atSurfaces(); });
@@ -439,6 +440,7 @@ void VolumeLight::gather() const {
     if (!(lighting_.albedo.maxCoeff() > 0))
       return;
     lampShares_.resize(lighting_.lamps.size());
+    findSpreads();
     const ArrivingLight arriving(illumination(), bounds());
     for (std::size_t l = 0; l < lighting_.lamps.size(); ++l) addShares(l, arriving);
     if (lighting_.surrounding.maxCoeff() > 0)
@@ -451,12 +453,17 @@ void VolumeLight::gather() const {
   });
 }
 
-/// Of a voxel in the world [m].
-Vec3 VolumeLight::edges() const {
+/// Of a voxel in the world: half of its edges [m].
+Mat3 VolumeLight::halfVoxel() const {
   const BrickSlice& slice = volume_.slice();
   const Vec3 own = slice.bounds().size().cwiseQuotient(Vec3(slice.x(), slice.y(), slice.z()));
-  const Mat3 world = lighting_.place.linear() * own.asDiagonal();
-  return {world.col(0).norm(), world.col(1).norm(), world.col(2).norm()};
+  return lighting_.place.linear() * Vec3(0.5 * own).asDiagonal();
+}
+
+/// Their lengths [m].
+Vec3 VolumeLight::edges() const {
+  const Mat3 half = halfVoxel();
+  return {2 * half.col(0).norm(), 2 * half.col(1).norm(), 2 * half.col(2).norm()};
 }
 
 /// In the world.
@@ -531,6 +538,27 @@ Rgb scatteredTo(const Lamp& lamp, const Vec3& point, const Vec3* way, double sha
   return arrives * cone / (reach * reach) * lamp.intensity;
 }
 
+constexpr double kNearLamp = 2.5;    // of a part's diagonal from it: light changes within the part
+constexpr int kLampHalvings = 4;     // of a voxel beside a lamp
+constexpr double kMeanReach = 0.36;  // where 1 / r2 is its mean in a cube of edge 1 around r = 0
+
+/// The mean of at(point, radius) in a parallelepiped, for light that is nowhere stronger than at a
+/// radius from a lamp.
+/// @param half  of its edges
+template <class At>
+Rgb meanAround(const Vec3& lamp, const Vec3& centre, const Mat3& half, int halvings, At&& at) {
+  const double diagonal = 2 * half.norm();
+  if (halvings == 0 || (centre - lamp).norm() > kNearLamp * diagonal)
+    return at(centre, kMeanReach * std::cbrt(8 * std::abs(half.determinant())));
+  const Mat3 quarter = 0.5 * half;
+  Rgb sum = Rgb::Zero();
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 aside(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    sum += meanAround(lamp, centre + quarter * aside, quarter, halvings - 1, at);
+  }
+  return sum / 8;
+}
+
 /// From a point to the eye.
 Vec3 wayTo(const VolumeView& view, const Vec3& point) {
   return view.parallel ? Vec3(-view.at) : Vec3((view.at - point).normalized());
@@ -549,11 +577,38 @@ Rgb VolumeLight::ofLamps(const Place& place, const std::optional<View>& view, bo
   const Vec3 way = view ? wayTo(*view, point) : Vec3::Zero();
   Rgb sum = Rgb::Zero();
   for (std::size_t l = 0; l < lampShares_.size(); ++l) {
-    if (const float share = shareOf(lampShares_[l]); share != 0)
-      sum += scatteredTo(lighting_.lamps[l], point, view ? &way : nullptr, share,
+    const float share = shareOf(lampShares_[l]);
+    if (share == 0)
+      continue;
+    const auto sent = [&](const Lamp& lamp, const Vec3& from) {
+      return scatteredTo(lamp, from, view ? &way : nullptr, share,
                          again ? scattering.goesOn(share) : 0, scattering);
+    };
+    const Lamp& lamp = lighting_.lamps[l];
+    if (spreads_[l] == 0 || (point - lamp.position).squaredNorm() > spreads_[l]) {
+      sum += sent(lamp, point);
+      continue;
+    }
+    Lamp larger = lamp;
+    sum += meanAround(lamp.position, point, halfVoxel(), kLampHalvings,
+                      [&](const Vec3& from, double spread) {
+                        larger.radius = std::max(lamp.radius, spread);
+                        return sent(larger, from);
+                      });
   }
   return sum;
+}
+
+/// Lamps in the volume that are smaller than a voxel: there the light at a voxel is the mean in it,
+/// which does not depend on where in it the lamp is.
+void VolumeLight::findSpreads() const {
+  const double diagonal = 2 * halfVoxel().norm();
+  for (const Lamp& lamp : lighting_.lamps) {
+    const bool isSmall = lamp.kind == Lamp::Kind::kSpot && lamp.radius < 0.5 * diagonal &&
+                         volume_.bounds().contains(lighting_.place.toOwn(lamp.position));
+    const double near = isSmall ? kNearLamp * diagonal : 0;
+    spreads_.push_back(near * near);
+  }
 }
 
 const std::shared_ptr<const LightAtSurfaces>& VolumeLight::atSurfaces() const {

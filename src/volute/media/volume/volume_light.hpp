@@ -34,13 +34,13 @@ struct VolumeLighting {
 
 /// Single scattering in a volume at one time:
 ///   L(x, w) = albedo (sum over lamps of E(x) exp(-t(x, lamp)) V phase + A(x) + F(x))
-/// with E a lamp's irradiance where nothing is in the way, t the volume's own optical depth towards
-/// it at the centre of every voxel: exact, or by LightFan, exact on rays as close as voxels, but
-/// for voxels beside others that are nearly solid. A, the share of an even surrounding that
-/// arrives, is a mean over 100 directions by fans or 26 by rays, at each voxel, or every second, or
-/// over 50 at every fourth of a large volume, whose extinction is taken from voxels of twice the
-/// edges; F, what its own fire sends, a sum over the bricks that emit, each as a point, at every
-/// fourth. Both are scattered evenly.
+/// with E a lamp's irradiance where nothing is in the way, its mean in a voxel near a smaller lamp,
+/// t the volume's own optical depth towards it at the centre of every voxel: exact, or by LightFan,
+/// exact on rays as close as voxels, but for voxels beside others that are nearly solid. A, the
+/// share of an even surrounding that arrives, is a mean over 100 directions by fans or 26 by rays,
+/// at each voxel, or every second, or over 50 at every fourth of a large volume, whose extinction
+/// is taken from voxels of twice the edges; F, what its own fire sends, a sum over the bricks that
+/// emit, each as a point, at every fourth. Both are scattered evenly.
 ///
 /// Threads may share it.
 class VolumeLight {
@@ -99,7 +99,9 @@ class VolumeLight {
   std::vector<Lamp> fires() const;
   std::shared_ptr<const Lattice> sky() const;
   void addRays(std::span<const Lamp> lamps, Lattice& lattice) const;
+  Mat3 halfVoxel() const;
   Vec3 edges() const;
+  void findSpreads() const;
   Box3 bounds() const;
   AnyMedium medium() const;
   Illumination illumination() const;
@@ -118,7 +120,8 @@ class VolumeLight {
   mutable std::once_flag gathered_, scattered_, beside_, foundSolid_;
   mutable std::vector<bool> atSolid_;                   ///< of each light point; empty: none is
   mutable std::vector<std::vector<float>> lampShares_;  ///< of each lamp, at each light point: 0..1
-  mutable std::shared_ptr<const DiffuseLight> again_;   ///< null: light is scattered once
+  mutable std::vector<double> spreads_;  ///< around each lamp [m2]: voxels with means of its light
+  mutable std::shared_ptr<const DiffuseLight> again_;          ///< null: light is scattered once
   mutable std::vector<std::shared_ptr<const Lattice>> even_;   ///< A and F, where they are there
   mutable std::shared_ptr<const LightAtSurfaces> atSurfaces_;  ///< null: there are none
   mutable std::mutex guard_;

@@ -437,6 +437,30 @@ double even(const Vec3&) {
   return 0.01;
 }
 
+TEST(VolumeLight, ALampIsAsStrongWhereverInItsVoxelItIs) {
+  const auto light = [](const Vec3& place, double radius) {
+    VolumeLighting lighting;
+    lighting.albedo = Rgb::Constant(1);
+    lighting.lamps.resize(1);
+    lighting.lamps[0].position = place, lighting.lamps[0].radius = radius;
+    const ShadedVoxels seen =
+        VolumeLight(filled(16, [](const Vec3&) { return 1e-4; }), lighting).seen();
+    double sum = 0;
+    constexpr int kSteps = 64;
+    for (int i = 0; i < kSteps * kSteps * kSteps; ++i) {
+      const Vec3 at(i % kSteps + 0.5, i / kSteps % kSteps + 0.5, i / kSteps / kSteps + 0.5);
+      sum += seen.emission(at * 2 / kSteps - Vec3::Ones())[0];
+    }
+    return sum;
+  };
+  // The integral of 1 / r2 does not change by so little.
+  const double centre = light(Vec3(0.0625, 0.0625, 0.0625), 0.01);
+  EXPECT_NEAR(light(Vec3(0, 0, 0), 0.01) / centre, 1, 0.02);
+  EXPECT_NEAR(light(Vec3(0, 0.0625, 0.0625), 0.01) / centre, 1, 0.02);
+  EXPECT_NEAR(light(Vec3(0.03, 0.095, 0.05), 0.01) / centre, 1, 0.02);
+  EXPECT_NEAR(light(Vec3(0.0625, 0.0625, 0.0625), 0.15) / centre, 1, 0.1);
+}
+
 TEST(VolumeLight, WhatBlocksALampKeepsItsLight) {
   VolumeLighting lighting;
   lighting.albedo = Rgb::Constant(0.8);
