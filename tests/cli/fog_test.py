@@ -515,6 +515,9 @@ class Frames(FogCase):
         planes["R"][0] = float("nan")
         write_planes(self.path("color.exr"), 8, 6, planes)
         self.assertIn("values that are infinite or no numbers (1)", self.works(*self.words(out="x.png")).message)
+        planes["G"][2 * 8 + 5] = float("inf")
+        write_planes(self.path("color.exr"), 8, 6, planes)
+        self.assertIn("color.exr: pixel 0, 0 is nan, and 1 more are no finite light; it stays so", self.works(*self.words()).message)
         # Of several frames each kind of loss once, whichever frame has it.
         light = {name: [0.5] * 48 for name in "RGB"}
         for i, more in enumerate(({}, {"id": [1.0] * 48}, {}, {"id": [1.0] * 48})):

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "volute/base/input_file.hpp"
@@ -105,6 +106,7 @@ struct Numbers {
   const unsigned char* first = nullptr;
   std::size_t stride = 0, count = 0;
   int component = 0;
+  bool normalized = false;
 };
 
 class GltfReader {
@@ -150,7 +152,8 @@ class GltfReader {
   Status checkExtensions() const {
     for (const std::string& name : model_.extensionsRequired) {
       if (name.starts_with("KHR_materials_") || name == "KHR_lights_punctual" ||
-          name == "KHR_texture_transform" || name == "KHR_node_visibility")
+          name == "KHR_texture_transform" || name == "KHR_node_visibility" ||
+          name == "KHR_mesh_quantization")
         continue;
       return fail(ErrorCode::kUnsupported,
                   "{}: needs the extension {}, which is not read; export it without", file_, name);
@@ -214,6 +217,10 @@ class GltfReader {
       if (const auto strength = from.extensions.find("KHR_materials_emissive_strength");
           strength != from.extensions.end() && strength->second.Has("emissiveStrength"))
         material.emission *= strength->second.Get("emissiveStrength").GetNumberAsDouble();
+      if (from.extensions.contains("KHR_materials_unlit")) {  // its colour whatever shines on it
+        material.emission = material.baseColor;
+        material.baseColor = Rgb::Zero();
+      }
       if (!(material.baseColor >= 0).all() || !(material.emission >= 0).all() ||
           !material.baseColor.isFinite().all() || !material.emission.isFinite().all()) {
         return fail(ErrorCode::kInvalidData, "{}: /materials/{}: a color that is negative", file_,
@@ -300,6 +307,7 @@ class GltfReader {
     numbers.stride = view.byteStride == 0 ? element : view.byteStride;
     numbers.count = accessor.count;
     numbers.component = accessor.componentType;
+    numbers.normalized = accessor.normalized;
     const bool fits =
         view.byteOffset <= bytes.size() && view.byteLength <= bytes.size() - view.byteOffset &&
         accessor.byteOffset <= view.byteLength && numbers.stride >= element &&
@@ -313,19 +321,58 @@ class GltfReader {
     return numbers;
   }
 
+  using ReadPosition = Vec3 (*)(const unsigned char*);
+
+  /// @tparam kNormalized  its largest number stands for 1
+  template <class Number, bool kNormalized>
+  static Vec3 readPosition(const unsigned char* from) {
+    Number xyz[3];
+    std::memcpy(xyz, from, sizeof xyz);
+    const Vec3 point(xyz[0], xyz[1], xyz[2]);
+    if constexpr (kNormalized)
+      return (point / std::numeric_limits<Number>::max()).cwiseMax(-1);
+    return point;
+  }
+
+  template <class Number>
+  static ReadPosition readWholePosition(bool normalized) {
+    return normalized ? readPosition<Number, true> : readPosition<Number, false>;
+  }
+
+  /// Whole numbers are those of KHR_mesh_quantization. Null for others.
+  static ReadPosition readerOf(const Numbers& numbers) {
+    switch (numbers.component) {
+      case TINYGLTF_COMPONENT_TYPE_FLOAT:
+        return readPosition<float, false>;
+      case TINYGLTF_COMPONENT_TYPE_BYTE:
+        return readWholePosition<std::int8_t>(numbers.normalized);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+        return readWholePosition<std::uint8_t>(numbers.normalized);
+      case TINYGLTF_COMPONENT_TYPE_SHORT:
+        return readWholePosition<std::int16_t>(numbers.normalized);
+      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+        return readWholePosition<std::uint16_t>(numbers.normalized);
+      default:
+        return nullptr;
+    }
+  }
+
   Result<std::vector<Vec3>> positionsOf(const tinygltf::Primitive& primitive, const Mat4& placed,
                                         const std::string& where) const {
     const auto found = primitive.attributes.find("POSITION");
     if (found == primitive.attributes.end())
       return fail(ErrorCode::kInvalidData, "{}: has no POSITION", where);
     VOLUTE_ASSIGN(const Numbers numbers, numbersOf(found->second, 3, where + "/POSITION"));
-    if (numbers.component != TINYGLTF_COMPONENT_TYPE_FLOAT)
-      return fail(ErrorCode::kUnsupported, "{}/POSITION: expected floats", where);
+    const auto read = readerOf(numbers);
+    if (!read)
+      return fail(ErrorCode::kUnsupported,
+                  "{}/POSITION: expected floats, or whole numbers of 8 or "
+                  "16 bits",
+                  where);
     std::vector<Vec3> positions(numbers.count);
     for (std::size_t i = 0; i < numbers.count; ++i) {
-      float xyz[3];
-      std::memcpy(xyz, numbers.first + i * numbers.stride, sizeof xyz);
-      positions[i] = linearPart(placed) * Vec3(xyz[0], xyz[1], xyz[2]) + offsetPart(placed);
+      positions[i] =
+          linearPart(placed) * read(numbers.first + i * numbers.stride) + offsetPart(placed);
       if (!positions[i].allFinite())
         return fail(ErrorCode::kInvalidData, "{}/POSITION: vertex {} is not finite", where, i);
     }

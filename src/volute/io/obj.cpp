@@ -321,6 +321,12 @@ class ObjReader {
           Rgb color;
           for (int c = 0; c < 3; ++c) {
             const std::string_view share = nextWord(rest);
+            if (c == 0 && (share == "spectral" || share == "xyz")) {
+              return fail(ErrorCode::kUnsupported,
+                          "{}: line {}: {} by '{}' is not read; expected shares of red, green and "
+                          "blue",
+                          file.string(), at, keyword, share);
+            }
             if (!readNumber(share, color[c]) || !(color[c] >= 0) || !std::isfinite(color[c])) {
               return fail(ErrorCode::kInvalidData, "{}: line {}: '{}' is no share of a color",
                           file.string(), at, share);

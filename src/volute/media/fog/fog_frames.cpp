@@ -486,11 +486,34 @@ Result<std::vector<FogFrame>> fogFrames(const FogFrame& names,
   return frames;
 }
 
+/// Light that is no number, or infinite, is handed on.
+void tellOfNumbers(const FogFrame& frame, const FramePixels& pixels,
+                   std::vector<FrameRemark>& remarks) {
+  const std::vector<float>& values = pixels.color.pixels;
+  const auto isWrong = [](float value) { return !std::isfinite(value); };
+  const auto first = std::ranges::find_if(values, isWrong);
+  if (first == values.end())
+    return;
+  const auto channels = static_cast<std::size_t>(pixels.color.channels);
+  const auto at = static_cast<std::size_t>(first - values.begin()) / channels;
+  std::size_t count = 0;
+  for (std::size_t i = at * channels; i < values.size(); i += channels)
+    count += std::any_of(&values[i], &values[i] + channels, isWrong);
+  const auto width = static_cast<std::size_t>(pixels.color.width);
+  remarks.push_back(
+      {RemarkCode::kDoubtful, "numbers",
+       fmt::format("{}: pixel {}, {} is {}{}; it stays so", frame.color,
+                   pixels.part.data.left + static_cast<int>(at % width),
+                   pixels.part.data.top + static_cast<int>(at / width), *first,
+                   count > 1 ? fmt::format(", and {} more are no finite light", count - 1) : "")});
+}
+
 Result<FoggedFrame> fogOver(const FogFrame& frame, FogSceneMedium& fog,
                             const FogFrameOptions& options, Reading& reading) {
   FoggedFrame out;
   VOLUTE_ASSIGN(auto color, readColor(frame, options, reading));
   out.others = std::move(color.others);
+  tellOfNumbers(frame, color.pixels, out.remarks);
   if (extensionOf(frame.color) == ".png") {
     VOLUTE_ASSIGN(const PngKind extras, readPngKind(frame.color));
     color.pixels.part.pixelAspect = extras.pixelAspect;
