@@ -166,7 +166,8 @@ TEST_F(PngColor, OthersAreRefusedOrConverted) {
   EXPECT_THAT(error_, HasSubstr("states transfer function 16"));
   EXPECT_NEAR(lightWith(pngChunk("cICP", std::string("\x01\x08\x00\x01", 4)), 3), 0.5, 1e-3);
   // Full red of Display P3 is beyond sRGB's.
-  const auto p3 = srgbFromPrimaries({0.3127, 0.3290, 0.680, 0.320, 0.265, 0.690, 0.150, 0.060});
+  const auto p3 =
+      srgbFromPrimaries(std::array{0.3127, 0.3290, 0.680, 0.320, 0.265, 0.690, 0.150, 0.060});
   ASSERT_TRUE(p3 && *p3);
   EXPECT_NEAR((**p3)(0, 0), 1.2249, 2e-3);
   EXPECT_NEAR((**p3)(1, 0), -0.0420, 2e-3);

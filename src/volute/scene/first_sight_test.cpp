@@ -69,8 +69,9 @@ TEST_F(FirstSights, AFileIsOfNoOtherKindThanItIs) {
     options.members = nlohmann::ordered_json{{"kind", kind}};
     const auto scene = Scene::open(path, options, quiet);
     EXPECT_EQ(scene.has_value(), std::string_view(kind) == "volume");
-    if (!scene)
+    if (!scene) {
       EXPECT_THAT(scene.error().message, ::testing::HasSubstr("of kind \"volume\"; leave it out"));
+    }
   }
 }
 
