@@ -342,7 +342,7 @@ bool FoamPatch::isWall() const {
 }
 
 std::vector<FoamPatch> foamPatches(const std::filesystem::path& casePath, double time) {
-  constexpr unsigned kMost = 4 << 20;  // bytes
+  constexpr unsigned kMax = 4 << 20;  // bytes
   const auto folder = caseFolder(casePath);
   auto file = present(folder / "constant" / "polyMesh" / "boundary");
   for (const double own : timesIn(folder)) {
@@ -352,7 +352,7 @@ std::vector<FoamPatch> foamPatches(const std::filesystem::path& casePath, double
       file = later;
   }
   std::vector<FoamPatch> patches;
-  std::string text = file ? withoutComments(beginOf(*file, kMost)) : "";
+  std::string text = file ? withoutComments(beginOf(*file, kMax)) : "";
   std::vector<std::string> words;
   constexpr std::string_view kMarks = "{}();";
   std::string word;

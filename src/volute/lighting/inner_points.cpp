@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kFileRounding = 1e-5;  ///< of the mesh's size, and of 1 m
 constexpr double kFloatRounding = 0x1p-24;
-constexpr double kOfCell = 0.02;       ///< what is rounded more than this has no cells left
-constexpr double kLeastCosine = 0.25;  ///< between a way inwards and the normals around a vertex
+constexpr double kOfCell = 0.02;     ///< what is rounded more than this has no cells left
+constexpr double kMinCosine = 0.25;  ///< between a way inwards and the normals around a vertex
 
 bool hasFloats(const TetMesh& mesh) {
   return std::ranges::all_of(mesh.vertices(), [](const Vec3& point) {
@@ -79,7 +79,7 @@ std::vector<Vec3> innerVertices(const TetMesh& mesh, double distance) {
   }
   std::vector<Vec3> inner(points.begin(), points.end());
   for (std::size_t v = 0; v < inner.size(); ++v)
-    inner[v] += distance / std::max(cosines[v], kLeastCosine) * ways[v];
+    inner[v] += distance / std::max(cosines[v], kMinCosine) * ways[v];
   return inner;
 }
 
