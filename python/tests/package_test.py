@@ -1717,7 +1717,7 @@ print("done", flush=True)
         self.assertNotIn("file_residual", volute.reconstruct(capture, **said).report)
 
     def test_reconstruction_pulls_frames_together_and_writes_the_calibration(self):
-        capture = self.capture((5, 6))
+        capture = self.capture((5, 6, 7))
         said = {"iterations": 20, "regularization": "tv"}
         mine = volute.reconstruct(capture, self.path / "mine.volute", temporal=0.01, refined=self.path / "mine.json", **said)
         self.command("reconstruct", capture, "-o", self.path / "its.volute", "--iterations", 20, "--regularization", "tv", "--temporal", 0.01,

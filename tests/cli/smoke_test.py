@@ -154,7 +154,6 @@ class Quantities(SmokeCase):
         points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 1, 1), (-1, -1, -1)]
         for name, used, tets, said in (
                 ("flat", [(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], [(0, 1, 2, 3)], "no volume"),
-                ("loose", points[:5], [(0, 1, 2, 3)], "no tet"),
                 ("three", points, [(0, 1, 2, 3), (1, 2, 3, 4), (1, 2, 3, 5)], "face"),
                 ("inverted", points[:5], [(0, 1, 2, 3), (0, 1, 2, 4)], "one is inverted; mend the mesh"),
                 ("outside", points[:4], [(0, 1, 2, 9)], "vert")):
@@ -162,7 +161,11 @@ class Quantities(SmokeCase):
             message = self.fails(1, "render", self.path(f"{name}.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
             self.assertIn(said, message)
             self.assertIn(name + ".vtu", message)
-        self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:900])
+        # A point that no cell has is as a filter leaves it: it changes nothing.
+        smoke_files.write_vtu(self.path("loose.vtu"), (points[:5], [(0, 1, 2, 3)]), {"smoke": [0.5] * 5})
+        result = self.works("render", self.path("loose.vtu"), "--quantity", "extinction", "-o", self.path("x.png"))
+        self.assertIn("1 points that no cell has are left out", result.message)
+        self.path("cut.vtu").write_bytes(self.path("loose.vtu").read_bytes()[:400])
         self.assertIn("cut.vtu", self.fails(1, "render", self.path("cut.vtu"), "--quantity", "extinction", "-o", self.path("x.png")))
 
     def test_words_that_would_change_nothing(self):
