@@ -305,6 +305,11 @@ void makeBaffle(const std::filesystem::path& folder, std::string_view type) {
                              "screen // a door leaf\n{{\n type {}; inGroups 1(wall);\n nFaces 2;\n "
                              "startFace 10;\n}}\n)\n",
                              type));
+  for (const char* time : {"10", "20"}) {
+    std::string soot = readBytes(folder / time / "soot");
+    soot.insert(soot.rfind('}'), "screen\n{\ntype zeroGradient;\n}\n");
+    writeBytes(folder / time / "soot", soot);
+  }
 }
 
 TEST(MeshCases, BafflesOfOpenFoamAreWalls) {

@@ -534,6 +534,8 @@ class AvFilmDecoder final : public FilmDecoder {
       range = rangeOf(depth, frame_->color_range == AVCOL_RANGE_MPEG);
     else if (full && deep && (described->flags & AV_PIX_FMT_FLAG_RGB) == 0)
       range = rangeOf(depth, false);
+    else if (deep && (described->flags & AV_PIX_FMT_FLAG_RGB) == 0)
+      range = {0, 255 * 256 / 65535.0};  // what it widens the limited range to
     VOLUTE_TRY(settleColor(*frame_, deep ? 65536 : 256, range));
     sws_setColorspaceDetails(scaler_.get(), matrix, grey || full, matrix, 1, 0, 1 << 16, 1 << 16);
     if (!rgb_ || rgb_->format != rgb)
