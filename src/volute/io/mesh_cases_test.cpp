@@ -347,8 +347,10 @@ TEST(MeshCases, BafflesOfOpenFoamAreWalls) {
   EXPECT_TRUE(locator.isOnWall(Vec3(1, 0.2, 0.2)));
   EXPECT_FALSE(locator.isOnWall(Vec3(1.001, 0.2, 0.2)));
   // What lets through is none.
-  makeBaffle(folder.path(), "cyclic");
-  ASSERT_VALUE(auto pair, MeshSource::open(folder / "box.foam"));
+  const TempFolder other;
+  writeFoam(other.path());
+  makeBaffle(other.path(), "cyclic");
+  ASSERT_VALUE(auto pair, MeshSource::open(other / "box.foam"));
   ASSERT_VALUE(const auto passable, pair.read(0));
   EXPECT_EQ(passable.walls, nullptr);
   EXPECT_EQ(passable.mesh->vertices().size(), 12);
