@@ -47,6 +47,10 @@ struct FitSetup {
 /// count in it.
 double typicalValue(const LeastSquares& data, double largest);
 
+/// Of total variation where nobody says. 0 for fewer than four views: of them none can be held out,
+/// and pixels of the same views do not tell whether dark voxels are dark.
+double usualSparsity(std::size_t views);
+
 /// A random share of the rows, chosen by `seed`: 1 for those held out of a fit.
 std::vector<std::uint8_t> heldOutRows(std::size_t rows, std::uint32_t seed);
 
@@ -76,7 +80,6 @@ struct StopRule {
   double settled = 0;  ///< stops when ten iterations change the volume by no more, relative L2
   // Of several fits, for the progress: the most iterations of those before, and of all.
   int before = 0, all = 0;
-  double gain = 0;  ///< of the held-out error: a smaller share in a few iterations is none
 };
 
 inline constexpr double kSettled = 1e-3;  ///< what counts as settled
@@ -87,14 +90,12 @@ inline constexpr double kSettled = 1e-3;  ///< what counts as settled
                                  const StopRule& stop);
 
 /// Chooses the prior, unless the options have the choice, and fits all pixels. Total variation goes
-/// from weak to strong, each fit going on from the one before, until the error over the held-out
-/// pixels has risen, or the prior leaves mistakes of its own in the others: these neighbouring
-/// pixels have in common, which noise has not (Almeida and Figueiredo 2013, "Parameter estimation
-/// for blind and non-blind deblurring using residual whiteness measures"). Plain iterations go on
-/// until their error rises, and are chosen where it is clearly less. With four
-/// views or more the held-out pixels are those of one camera, of four or five views those of two in
-/// turn, for other pixels of the same cameras would be predicted ever better by a volume that fits
-/// the noise.
+/// from strong to weak, with sparsity and without (in the order of
+/// what is usual for so many views), each fit going on from the one before, until the
+/// error over the held-out pixels has risen; plain iterations go on until it rises. The least error
+/// is chosen. With four views or more the held-out pixels are those of one camera, of four or five
+/// views those of two in turn, for other pixels of the same cameras would be predicted ever better
+/// by a volume that fits the noise.
 [[nodiscard]] Result<Fit> chooseFit(const FitSetup& setup, std::vector<float> start);
 
 }  // namespace volute

@@ -48,7 +48,7 @@ Result<Fit> fixedFit(const FitSetup& setup, std::vector<float> start) {
                                          : Regularization::kNone;
   const bool penalised = regularization != Regularization::kNone;
   const PriorStrength prior{regularization, penalised ? options.lambda.value_or(kUsualLambda) : 0,
-                            options.sparsity.value_or(0)};
+                            options.sparsity.value_or(usualSparsity(setup.views.size()))};
   if (options.iterations)
     return runFit(setup, data, prior, std::move(start), {*options.iterations, 0, {}, 0});
   if (penalised)

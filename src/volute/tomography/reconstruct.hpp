@@ -53,8 +53,10 @@ struct TomographyOptions {
   Regularization regularization = Regularization::kAuto;
   std::optional<double> lambda;  ///< strength, relative to the largest eigenvalue of S'S; none:
                                  ///< chosen, or 1e-5 with kSmooth and kWavelet
-  /// With total variation: penalty on light in dark voxels, times lambda; none: 0, plain total
-  /// variation.
+  /// With total variation: penalty on light in dark voxels, times lambda; 0: plain total variation;
+  /// none: 2.5, or 0 for fewer than four
+  /// views and, if the strength is chosen, where 0 predicts better; of four or five views 2.5 only
+  /// where it predicts better.
   std::optional<double> sparsity;
   std::optional<TomographyChoice> choice;  ///< with kAuto: use this instead of choosing
   /// Number of iterations, after the choice of the strength if that is automatic. If none: with

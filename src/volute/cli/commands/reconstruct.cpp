@@ -379,7 +379,7 @@ std::vector<Option> solverOptions() {
        .kind = kNumber,
        .value = "F",
        .help = "with total variation: penalty on light in dark voxels, relative to lambda; if not "
-               "given, 0",
+               "given, 2.5, or 0 with fewer than 4 cameras or if the data prefer it",
        .least = 0},
       {.name = "noise-sigma",
        .kind = kNumber,
