@@ -349,22 +349,13 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient, const DiffuseLight* again,
-                                  std::span<const std::vector<VertexIrradiance>> spread) {
+                                  const Rgb& ambient, const DiffuseLight* again) {
   std::vector<float> light(3 * points.size());
   parallelRanges(points.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::vector<VertexIrradiance>::const_iterator> next;
-    for (const auto& values : spread) {
-      next.push_back(std::ranges::lower_bound(values, static_cast<std::int32_t>(begin), {},
-                                              &VertexIrradiance::vertex));
-    }
     for (std::size_t i = begin; i < end; ++i) {
       Rgb arriving = Rgb::Zero();
-      for (std::size_t l = 0; l < lamps.size(); ++l) {
-        const bool instead = l < next.size() && next[l] != spread[l].end() &&
-                             static_cast<std::size_t>(next[l]->vertex) == i;
-        arriving += shares[l][i] * (instead ? (next[l]++)->value : lamps[l].irradiance(points[i]));
-      }
+      for (std::size_t l = 0; l < lamps.size(); ++l)
+        arriving += shares[l][i] * lamps[l].irradiance(points[i]);
       Rgb source = arriving / (4 * std::numbers::pi) + ambient;
       if (again)
         source += again->at(points[i]);

@@ -11,7 +11,6 @@
 
 #include "volute/lighting/diffuse_light.hpp"
 #include "volute/lighting/lamp.hpp"
-#include "volute/lighting/vertex_spread.hpp"
 #include "volute/tetmesh/tet_locator.hpp"
 
 namespace volute {
@@ -71,11 +70,9 @@ double lampShareReference(const TetLocator& locator, std::span<const float> exti
 /// Radiance of infinitely thick smoke at each vertex, three each: lamps' light scattered once, the
 /// same in all directions, plus `ambient` that comes from everywhere and is not attenuated.
 /// `shares` has one list for each lamp. Albedo is the share of what smoke takes from light that it
-/// sends on. `again`, what was scattered before, may be null. `spread` has none or a list for each
-/// lamp: spreadIrradiance().
+/// sends on. `again`, what was scattered before, may be null.
 std::vector<float> scatteredLight(std::span<const Vec3> points, std::span<const Lamp> lamps,
                                   std::span<const std::vector<float>> shares, const Rgb& albedo,
-                                  const Rgb& ambient, const DiffuseLight* again = nullptr,
-                                  std::span<const std::vector<VertexIrradiance>> spread = {});
+                                  const Rgb& ambient, const DiffuseLight* again = nullptr);
 
 }  // namespace volute

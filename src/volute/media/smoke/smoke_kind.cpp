@@ -247,14 +247,9 @@ void SmokeSnapshot::light(const Illumination& light) const {
       return;
     const AnyMedium smoke(TetMedium(state_.locator, state_.extinction, {}));
     const auto again = light.again(smoke, smoke.bounds(), {state_.albedo});
-    std::vector<std::vector<VertexIrradiance>> spread;
-    for (const Lamp& lamp : light.lamps) {
-      if (!team_)  // pieces do not know the cells of others
-        spread.push_back(spreadIrradiance(*state_.locator, lamp));
-    }
     state_.source = scatteredLight(state_.locator->mesh().vertices(), light.lamps,
                                    state_.lampMeans.empty() ? state_.lampShares : state_.lampMeans,
-                                   state_.albedo, light.ambient, again.get(), spread);
+                                   state_.albedo, light.ambient, again.get());
   });
 }
 

@@ -10,7 +10,6 @@
 #include <memory>
 #include <numbers>
 
-#include "volute/lighting/vertex_spread.hpp"
 #include "volute/media/smoke/smoke_medium.hpp"
 #include "volute/tetmesh/made_meshes.hpp"
 #include "volute/tetmesh/tet_medium.hpp"
@@ -405,10 +404,8 @@ TEST(SmokeSnapshot, IsLitThroughOtherMediaAndByWhatGlows) {
   }
   EXPECT_LT(most, 1e-2);
   EXPECT_GT(moved, 1e-2);
-  const std::vector spread(2, spreadIrradiance(*state.locator, lamp));
-  EXPECT_EQ(found.source,
-            scatteredLight(state.locator->mesh().vertices(), {{lamp, lamp}}, found.lampMeans,
-                           state.albedo, Rgb::Zero(), nullptr, spread));
+  EXPECT_EQ(found.source, scatteredLight(state.locator->mesh().vertices(), {{lamp, lamp}},
+                                         found.lampMeans, state.albedo, Rgb::Zero()));
   const SmokeSnapshot black(hall().smoke, 1, lighting, std::nullopt);
   EXPECT_FALSE(black.litBy({hall().lights.lamps, between})) << "it scatters nothing";
 }
