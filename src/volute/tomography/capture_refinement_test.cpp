@@ -203,17 +203,15 @@ TEST_F(CaptureRefinementTest, AGainThatDriftsIsFoundInEachFrame) {
 
 TEST_F(CaptureRefinementTest, AnotherCurveIsToldByTheOneThatIsStated) {
   capture.frames = {1};
-  for (CaptureCamera& known : capture.cameras) {
-    Image image = *readImage(file(known.name, 1));
-    for (float& value : image.pixels) value = static_cast<float>(srgbDecode(value));
-    ASSERT_TRUE(writeImage(file(known.name, 1), image));
-  }
+  Image image = *readImage(file("c2", 1));
+  for (float& value : image.pixels) value = static_cast<float>(srgbDecode(value));
+  ASSERT_TRUE(writeImage(file("c2", 1), image));
   const auto told = [&] {
     const CaptureRefinement result = refined();
     return result.faults.empty() ? std::string() : result.faults[0];
   };
   EXPECT_THAT(told(), ::testing::HasSubstr("taken as sRGB"));
-  for (CaptureCamera& known : capture.cameras) known.pictures.response = Response();
+  capture.cameras[2].pictures.response = Response();
   EXPECT_THAT(told(), ::testing::HasSubstr("to the power of about 0.45"));
 }
 
